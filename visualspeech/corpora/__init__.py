@@ -1,0 +1,1 @@
+"""Recordings: adapters that all yield the same Utterance record, the split, and the check before heavy work."""

@@ -1,0 +1,1 @@
+"""From video frames to landmarks, frontal faces and appearance parameters."""

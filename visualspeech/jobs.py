@@ -1,0 +1,64 @@
+"""What every job shares: a log that is also the terminal, progress lines, and errors that speak to people."""
+
+import logging
+import sys
+import time
+import traceback
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+from visualspeech.errors import VisualSpeechError
+
+log = logging.getLogger("visualspeech")
+
+
+@contextmanager
+def job(log_path: str | Path) -> Iterator[None]:
+    """Run the body of a workflow script: messages go to the terminal and to ``log_path``.
+
+    A :class:`VisualSpeechError` is shown as its message alone and ends the process with status 1. Anything else is a
+    defect: the terminal names the log, and the log holds the traceback.
+    """
+    Path(log_path).parent.mkdir(parents=True, exist_ok=True)
+    name = Path(log_path).stem
+    file = logging.FileHandler(log_path, mode="w", encoding="utf-8")
+    terminal = logging.StreamHandler(sys.stderr)
+    for handler in (file, terminal):
+        handler.setFormatter(logging.Formatter(f"%(asctime)s {name}: %(message)s", "%H:%M:%S"))
+    log.setLevel(logging.INFO)
+    log.handlers[:] = [file, terminal]
+    log.propagate = False
+    try:
+        yield
+    except VisualSpeechError as error:
+        log.error("%s", error)
+        sys.exit(1)
+    except MemoryError:
+        log.error("out of memory. Run with fewer jobs at a time (a smaller --cores) or on a larger machine.")
+        sys.exit(1)
+    except Exception as error:
+        file.stream.write(traceback.format_exc())
+        terminal.emit(
+            log.makeRecord(log.name, logging.ERROR, "", 0, "unexpected error: %r; see %s", (error, log_path), None)
+        )
+        sys.exit(1)
+    finally:
+        logging.shutdown([])
+        for handler in (file, terminal):
+            handler.flush()
+
+
+def progress(items: Iterable, total: int, unit: str, every: float = 3.0) -> Iterator:
+    """Yield the items, with a log line every few seconds: how many are done, of how many, how fast, how long still."""
+    start = last = time.monotonic()
+    done = 0
+    for item in items:
+        yield item
+        done += 1
+        now = time.monotonic()
+        if now - last >= every or done == total:
+            last = now
+            speed = done / max(now - start, 1e-9)
+            left = (total - done) / speed
+            log.info("%d/%d %s, %.3g %s/s, %.0f s left", done, total, unit, speed, unit, left)

@@ -1,0 +1,73 @@
+"""What a result was made from: digests of code, settings and splits."""
+
+import ast
+import hashlib
+import json
+from collections.abc import Mapping
+from functools import cache
+from pathlib import Path
+
+PACKAGE = Path(__file__).resolve().parent
+
+
+def digest(value) -> str:
+    """Short digest of anything that JSON can hold; the order of a mapping's keys does not matter."""
+    return hashlib.sha256(json.dumps(value, sort_keys=True).encode()).hexdigest()[:12]
+
+
+def split_hash(split: Mapping[str, str]) -> str:
+    """Digest of a split (id -> train, validation or test); every table prints it."""
+    return digest(sorted(split.items()))
+
+
+def code_digest(script: str | Path) -> str:
+    """Digest of a script and of every module of this package that it reaches, without docstrings and comments.
+
+    Follows imports inside the package with :mod:`ast`, the lazy ones inside functions too, so that a rule re-runs when
+    the code it uses changes and not when other code does.
+    """
+    reached: set[Path] = set()
+    waiting = [Path(script).resolve()]
+    while waiting:
+        path = waiting.pop()
+        if path not in reached:
+            reached.add(path)
+            waiting.extend(_imported(path))
+    return digest(sorted((path.name, _syntax(path)) for path in reached))
+
+
+@cache
+def _syntax(path: Path) -> str:
+    tree = ast.parse(path.read_text(encoding="utf-8"))
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Module | ast.ClassDef | ast.FunctionDef | ast.AsyncFunctionDef):
+            first = node.body[0] if node.body else None
+            if (
+                isinstance(first, ast.Expr)
+                and isinstance(first.value, ast.Constant)
+                and isinstance(first.value.value, str)
+            ):
+                node.body = node.body[1:]
+    return hashlib.sha256(ast.dump(tree).encode()).hexdigest()
+
+
+@cache
+def _imported(path: Path) -> tuple[Path, ...]:
+    names: set[str] = set()
+    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+        if isinstance(node, ast.Import):
+            names.update(alias.name for alias in node.names)
+        elif isinstance(node, ast.ImportFrom) and node.module and not node.level:
+            names.add(node.module)
+            names.update(f"{node.module}.{alias.name}" for alias in node.names)
+    found = set()
+    for name in names:
+        parts = name.split(".")
+        if parts[0] != PACKAGE.name:
+            continue
+        for end in range(1, len(parts) + 1):
+            module = PACKAGE.joinpath(*parts[1:end])
+            for candidate in (module.with_suffix(".py"), module / "__init__.py"):
+                if candidate.is_file():
+                    found.add(candidate)
+    return tuple(sorted(found))

@@ -1,0 +1,1 @@
+"""From sound and text to timed words, phones and states; speech from text."""

@@ -1,0 +1,321 @@
+"""The only reader and writer of the project's files.
+
+Tables are TSV, arrays HDF5 (one file a shard, one group an utterance), models safetensors with their settings as JSON
+metadata. Every file is written beside its name and renamed into place, so that a killed job leaves nothing
+half-written under a name that another job reads. Nothing here unpickles or executes what it reads.
+"""
+
+import json
+import os
+import shutil
+import tempfile
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from pathlib import Path
+
+import numpy as np
+
+from visualspeech.errors import StorageError
+
+
+def _explain(error: OSError, path: Path) -> StorageError:
+    reason = error.strerror or str(error)
+    return StorageError(
+        f"cannot write {path}: {reason}. Check that the folder exists, that you may write to it and that the disk is "
+        "not full; then run the same command again, finished work is kept."
+    )
+
+
+@contextmanager
+def replacing(path: str | Path) -> Iterator[Path]:
+    """Yield a temporary path beside ``path``; rename it into place when the block succeeds.
+
+    The temporary path keeps the suffix of ``path`` (libraries choose formats by it) and is removed on failure.
+    Works for files and for folders (create the folder at the yielded path).
+
+    Raises
+    ------
+    StorageError
+        The folder is read-only, the disk is full, or the path cannot be created.
+    """
+    path = Path(path)
+    temporary = None
+    try:
+        try:
+            path.parent.mkdir(parents=True, exist_ok=True)
+            handle, name = tempfile.mkstemp(prefix=f".{path.stem}.", suffix=path.suffix, dir=path.parent)
+            os.close(handle)
+            os.unlink(name)
+            temporary = Path(name)
+            yield temporary
+            if temporary.is_dir():
+                _remove(path)
+            else:
+                os.chmod(temporary, 0o666 & ~_umask())
+            os.replace(temporary, path)
+        except OSError as error:
+            raise _explain(error, path) from error
+    finally:
+        if temporary is not None:
+            _remove(temporary)
+
+
+def _umask() -> int:
+    mask = os.umask(0)
+    os.umask(mask)
+    return mask
+
+
+def _remove(path: Path) -> None:
+    if path.is_dir() and not path.is_symlink():
+        shutil.rmtree(path, ignore_errors=True)
+    else:
+        path.unlink(missing_ok=True)
+
+
+def write_text(path: str | Path, text: str) -> None:
+    """Write UTF-8 text, atomically."""
+    with replacing(path) as temporary:
+        temporary.write_text(text, encoding="utf-8")
+
+
+def write_text_if_changed(path: str | Path, text: str) -> bool:
+    """Write UTF-8 text only where it differs from what is there, so that modification times mean something."""
+    path = Path(path)
+    if path.is_file() and path.read_bytes() == text.encode("utf-8"):
+        return False
+    write_text(path, text)
+    return True
+
+
+def table_text(table) -> str:
+    """A data frame as TSV text (floats with the shortest digits that read back equal, no index)."""
+    return table.to_csv(sep="\t", index=False, lineterminator="\n")
+
+
+def write_table(path: str | Path, table) -> None:
+    """Write a :class:`pandas.DataFrame` as TSV, atomically."""
+    write_text(path, table_text(table))
+
+
+def read_table(path: str | Path, text_columns: tuple[str, ...] = ("id",)):
+    """Read a TSV written by :func:`write_table`; ``text_columns`` stay text even where they look like numbers.
+
+    Empty cells of text columns read back as empty strings, of other columns as NaN. A word such as "null" or "NA" is a
+    word and stays one.
+    """
+    import pandas
+
+    try:
+        return pandas.read_csv(
+            path,
+            sep="\t",
+            dtype={name: str for name in text_columns},
+            keep_default_na=False,
+            na_values={},
+            converters=None,
+        ).pipe(_numbers_where_possible, text_columns)
+    except (OSError, ValueError) as error:
+        raise StorageError(
+            f"cannot read the table {path}: {error}. Delete it and run again to make it anew."
+        ) from error
+
+
+def _numbers_where_possible(table, text_columns):
+    import pandas
+
+    converted = {}
+    for name in table.columns:
+        if name in text_columns or pandas.api.types.is_numeric_dtype(table[name]):
+            continue
+        column = table[name].replace("", np.nan)
+        try:
+            converted[name] = pandas.to_numeric(column)
+        except (ValueError, TypeError):
+            continue
+    return table.assign(**converted)
+
+
+class ArrayWriter:
+    """Writes the arrays of one shard: ``with ArrayWriter(path) as out: out.add(id, {...}, rate=25.0, units={...})``.
+
+    Memory does not grow with the number of utterances. The file appears under its name only when the block succeeds.
+    """
+
+    def __init__(self, path: str | Path, **attributes) -> None:
+        self.path = Path(path)
+        self._attributes = attributes
+
+    def __enter__(self) -> "ArrayWriter":
+        import h5py
+
+        self._context = replacing(self.path)
+        self._file = None
+        temporary = self._context.__enter__()
+        try:
+            # No time stamps, sorted names: the same content gives the same bytes.
+            self._file = h5py.File(temporary, "w", track_order=False)
+            self._file.attrs.update(self._attributes)
+        except OSError as error:
+            self._context.__exit__(type(error), error, error.__traceback__)
+            raise _explain(error, self.path) from error
+        return self
+
+    def add(
+        self,
+        utterance_id: str,
+        arrays: Mapping[str, np.ndarray],
+        rate: float,
+        units: Mapping[str, str] | None = None,
+        **attributes,
+    ) -> None:
+        """Add one utterance: named arrays, the frame rate in Hz, the unit of each array, further attributes."""
+        group = self._file.create_group(utterance_id)
+        group.attrs["rate"] = float(rate)
+        group.attrs.update(attributes)
+        for name, values in arrays.items():
+            data = group.create_dataset(name, data=np.asarray(values), track_times=False)
+            if units and name in units:
+                data.attrs["units"] = units[name]
+
+    def __exit__(self, kind, error, trace) -> None:
+        try:
+            if self._file is not None:
+                self._file.close()
+        except OSError as full:
+            kind, error, trace = type(full), full, full.__traceback__
+        self._context.__exit__(kind, error, trace)
+
+
+class ArrayReader:
+    """Reads what :class:`ArrayWriter` wrote, utterance by utterance.
+
+    ``reader.ids`` lists the utterances; ``reader[id]`` returns a dict of arrays; ``reader.rate(id)`` the frame rate;
+    ``reader.attributes(id)`` all attributes of an utterance.
+    """
+
+    def __init__(self, path: str | Path) -> None:
+        import h5py
+
+        self.path = Path(path)
+        try:
+            self._file = h5py.File(self.path, "r")
+        except OSError as error:
+            raise StorageError(f"cannot read {path}: {error}. Delete it and run again to make it anew.") from error
+
+    def __enter__(self) -> "ArrayReader":
+        return self
+
+    def __exit__(self, *exception) -> None:
+        self._file.close()
+
+    @property
+    def ids(self) -> list[str]:
+        return sorted(self._file)
+
+    def __contains__(self, utterance_id: str) -> bool:
+        return utterance_id in self._file
+
+    def __getitem__(self, utterance_id: str) -> dict[str, np.ndarray]:
+        return {name: data[()] for name, data in self._group(utterance_id).items()}
+
+    def array(self, utterance_id: str, name: str, rows=slice(None)) -> np.ndarray:
+        """One array of one utterance, or the given rows of it."""
+        return self._group(utterance_id)[name][rows]
+
+    def length(self, utterance_id: str, name: str) -> int:
+        """Number of rows of an array, without reading it."""
+        return self._group(utterance_id)[name].shape[0]
+
+    def rate(self, utterance_id: str) -> float:
+        return float(self._group(utterance_id).attrs["rate"])
+
+    def attributes(self, utterance_id: str) -> dict:
+        return dict(self._group(utterance_id).attrs)
+
+    def _group(self, utterance_id: str):
+        try:
+            return self._file[utterance_id]
+        except KeyError:
+            raise StorageError(f"{self.path} holds no utterance {utterance_id!r}. Delete it and run again.") from None
+
+
+class ArrayCollection:
+    """Several shards read as one: ``with ArrayCollection(paths) as arrays: arrays[id]``. Files are opened once."""
+
+    def __init__(self, paths) -> None:
+        self._readers = [ArrayReader(path) for path in paths]
+        self._home = {name: reader for reader in self._readers for name in reader.ids}
+
+    def __enter__(self) -> "ArrayCollection":
+        return self
+
+    def __exit__(self, *exception) -> None:
+        for reader in self._readers:
+            reader.__exit__(*exception)
+
+    @property
+    def ids(self) -> list[str]:
+        return sorted(self._home)
+
+    def __contains__(self, utterance_id: str) -> bool:
+        return utterance_id in self._home
+
+    def reader(self, utterance_id: str) -> ArrayReader:
+        """The shard that holds an utterance.
+
+        Raises
+        ------
+        StorageError
+            No shard holds it.
+        """
+        if utterance_id not in self._home:
+            places = ", ".join(str(reader.path) for reader in self._readers)
+            raise StorageError(f"no utterance {utterance_id!r} in {places}. Delete these files and run again.")
+        return self._home[utterance_id]
+
+    def __getitem__(self, utterance_id: str) -> dict[str, np.ndarray]:
+        return self.reader(utterance_id)[utterance_id]
+
+    def array(self, utterance_id: str, name: str, rows=slice(None)) -> np.ndarray:
+        return self.reader(utterance_id).array(utterance_id, name, rows)
+
+    def length(self, utterance_id: str, name: str) -> int:
+        return self.reader(utterance_id).length(utterance_id, name)
+
+    def rate(self, utterance_id: str) -> float:
+        return self.reader(utterance_id).rate(utterance_id)
+
+
+def write_model(path: str | Path, tensors: Mapping[str, np.ndarray], settings: Mapping) -> None:
+    """Write a model as safetensors: named arrays, and its settings as JSON metadata."""
+    from safetensors.numpy import save_file
+
+    arrays = {name: np.ascontiguousarray(values) for name, values in sorted(tensors.items())}
+    metadata = {"settings": json.dumps(settings, sort_keys=True)}
+    with replacing(path) as temporary:
+        try:
+            save_file(arrays, temporary, metadata=metadata)
+        except Exception as error:  # safetensors has an error type of its own for a full or read-only disk
+            raise OSError(getattr(error, "errno", None), str(error)) from error
+
+
+def read_model(path: str | Path) -> tuple[dict[str, np.ndarray], dict]:
+    """Read what :func:`write_model` wrote: (arrays by name, settings).
+
+    Raises
+    ------
+    StorageError
+        The file is missing, not safetensors, or carries no settings.
+    """
+    from safetensors import SafetensorError, safe_open
+
+    try:
+        with safe_open(str(path), framework="numpy") as file:
+            metadata = file.metadata() or {}
+            tensors = {name: file.get_tensor(name) for name in file.keys()}
+        return tensors, json.loads(metadata["settings"])
+    except (OSError, SafetensorError, KeyError, ValueError) as error:
+        raise StorageError(
+            f"{path} is not a model of this project ({error!r}). Give the .safetensors file that a run has written."
+        ) from error
