@@ -1,0 +1,102 @@
+import os
+from pathlib import Path
+
+from snakemake.utils import min_version
+
+min_version("9.0")
+
+# One thread a job, whatever the machine: the same numbers with --cores 1 and 2, and small networks train faster so.
+for variable in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMEXPR_NUM_THREADS"):
+    os.environ[variable] = "1"
+
+
+configfile: str(Path(workflow.basedir, "config", "config.yaml"))
+
+
+include: "workflow/rules/common.smk"
+include: "workflow/rules/demo.smk"
+include: "workflow/rules/corpus.smk"
+include: "workflow/rules/alignment.smk"
+include: "workflow/rules/landmarks.smk"
+include: "workflow/rules/pose.smk"
+include: "workflow/rules/aam.smk"
+include: "workflow/rules/features.smk"
+include: "workflow/rules/models.smk"
+include: "workflow/rules/tables.smk"
+include: "workflow/rules/videos.smk"
+include: "workflow/rules/report.smk"
+
+
+wildcard_constraints:
+    shard=r"\d+",
+    model="|".join(MODELS + BASELINES),
+
+
+localrules:
+    all,
+    alignment,
+    landmarks,
+    pose,
+    aam,
+    features,
+    models,
+    tables,
+    videos,
+    report,
+
+
+rule all:
+    default_target: True
+    input:
+        f"{CORPUS}/check/findings.tsv",
+        f"{CORPUS}/alignment/textgrid",
+        f"{RUN}/tables/objective.tsv",
+        f"{RUN}/videos",
+        f"{CORPUS}/report.html",
+
+
+rule alignment:
+    input:
+        shards(f"{CORPUS}/alignment/{{shard}}.tsv"),
+        f"{CORPUS}/alignment/textgrid",
+
+
+rule landmarks:
+    input:
+        shards(f"{CORPUS}/landmarks/{{shard}}.h5"),
+
+
+rule pose:
+    input:
+        shards(f"{RUN}/pose/{{shard}}.h5"),
+        f"{RUN}/utterances.tsv",
+
+
+rule aam:
+    input:
+        shards(f"{RUN}/aam/parameters/{{shard}}.h5"),
+
+
+rule features:
+    input:
+        shards(f"{RUN}/features/{{shard}}.h5"),
+
+
+rule models:
+    input:
+        expand(f"{RUN}/models/{{model}}/predictions.h5", model=MODELS + BASELINES),
+
+
+rule tables:
+    input:
+        f"{RUN}/tables/objective.tsv",
+
+
+rule videos:
+    input:
+        f"{RUN}/videos",
+
+
+rule report:
+    input:
+        f"{CORPUS}/report.html",

@@ -1,0 +1,131 @@
+"""Settings: read, layered, and checked against the schema before any job runs.
+
+A run has three layers, the later over the earlier: the experiment's file (the numbers of one paper), ``config.yaml``, and
+what the command line gives (``--configfile``, ``--config``). The corpus is named, or given as a file or in place.
+"""
+
+import difflib
+import os
+from collections.abc import Mapping
+from copy import deepcopy
+from pathlib import Path
+
+import yaml
+
+from visualspeech.errors import SettingError
+
+
+def read_yaml(path: Path) -> dict:
+    """A YAML file as plain data (never code).
+
+    Raises
+    ------
+    SettingError
+        The file is missing, no YAML, or no mapping.
+    """
+    try:
+        data = yaml.safe_load(path.read_text(encoding="utf-8"))
+    except OSError as error:
+        raise SettingError(f"cannot read {path}: {error.strerror}.") from error
+    except (yaml.YAMLError, UnicodeDecodeError) as error:
+        raise SettingError(f"{path} is not YAML: {error}") from error
+    if not isinstance(data, dict):
+        raise SettingError(f"{path} must hold `key: value` lines.")
+    return data
+
+
+def merged(base: Mapping, over: Mapping) -> dict:
+    """``over`` laid over ``base``: mappings merge key by key, anything else is replaced. Neither is changed."""
+    result = deepcopy(dict(base))
+    for key, value in over.items():
+        below = result.get(key)
+        result[key] = merged(below, value) if isinstance(below, dict) and isinstance(value, Mapping) else deepcopy(value)
+    return result
+
+
+def resolve(config: Mapping, folder: Path) -> dict:
+    """All settings of a run from what the user gave; ``folder`` is the repository's ``config`` folder.
+
+    Raises
+    ------
+    SettingError
+        A key is unknown or mistyped, a value is of the wrong kind, or a named file does not exist.
+    """
+    experiment = config.get("experiment", "fan2015")
+    layers = read_yaml(_named(experiment, "experiment", folder / "experiments"))
+    settings = merged(layers, config)
+    settings["corpus"] = _corpus(config.get("corpus"), folder / "corpora")
+    _check(settings, read_yaml(folder.parent / "workflow" / "schemas" / "config.schema.yaml"))
+    _check_together(settings)
+    return settings
+
+
+def _named(name, key: str, folder: Path) -> Path:
+    known = sorted(path.stem for path in folder.glob("*.yaml"))
+    if isinstance(name, str) and name in known:
+        return folder / f"{name}.yaml"
+    if isinstance(name, str) and name.endswith((".yaml", ".yml")) and key == "corpus":
+        return Path(name)
+    raise SettingError(f"`{key}: {name}` is not known. Known: {', '.join(known)}." + _did_you_mean(str(name), known))
+
+
+def _corpus(given, folder: Path) -> dict:
+    if isinstance(given, Mapping):
+        return dict(given)
+    path = _named(given, "corpus", folder)
+    corpus = read_yaml(path)
+    # The file may be a whole overlay (`corpus:` on top) or the corpus alone.
+    corpus = corpus["corpus"] if isinstance(corpus.get("corpus"), dict) else corpus
+    if corpus.get("root") and not os.path.isabs(os.path.expanduser(corpus["root"])) and path.parent != folder:
+        corpus["root"] = str(path.parent / corpus["root"])
+    return corpus
+
+
+def _check(settings: dict, schema: dict) -> None:
+    from jsonschema import Draft202012Validator
+
+    problems = sorted(Draft202012Validator(schema).iter_errors(settings), key=lambda error: list(map(str, error.path)))
+    if problems:
+        raise SettingError("\n".join(_sentence(problem) for problem in problems))
+
+
+def _sentence(problem) -> str:
+    where = ".".join(str(part) for part in problem.absolute_path)
+    if problem.validator == "additionalProperties":
+        known = sorted(problem.schema.get("properties", {}))
+        extra = [key for key in problem.instance if key not in known]
+        names = ", ".join(f"`{where + '.' if where else ''}{key}`" for key in extra)
+        return f"unknown setting {names}." + "".join(_did_you_mean(key, known) for key in extra) + (
+            f" Known here: {', '.join(known)}."
+        )
+    if problem.validator == "required":
+        missing = [key for key in problem.validator_value if key not in problem.instance]
+        return f"`{where or 'the configuration'}` lacks {', '.join(f'`{key}`' for key in missing)}."
+    described = problem.schema.get("description", "")
+    if problem.validator == "enum":
+        choice = ", ".join(str(value) for value in problem.validator_value)
+        return f"`{where}: {problem.instance}` must be one of {choice}. {described}".rstrip()
+    if problem.validator in ("oneOf", "anyOf"):
+        return f"`{where}: {problem.instance}` does not fit. {described}".rstrip()
+    return f"`{where}: {problem.instance}`: {problem.message}. {described}".rstrip()
+
+
+def _did_you_mean(word: str, known: list[str]) -> str:
+    close = difflib.get_close_matches(word, known, n=1)
+    return f" Did you mean `{close[0]}`?" if close else ""
+
+
+def _check_together(settings: dict) -> None:
+    """What no schema can say: settings that must fit each other."""
+    shares = settings["split"]
+    if abs(sum(shares.values()) - 1) > 1e-6:
+        raise SettingError(f"`split`: the shares must sum to 1, they sum to {sum(shares.values()):g}.")
+    shown = settings["videos"]["model"]
+    if shown not in model_names(settings):
+        raise SettingError(f"`videos.model: {shown}` is not trained. Trained here: {', '.join(model_names(settings))}.")
+
+
+def model_names(settings: Mapping) -> list[str]:
+    """Names of the networks of a run, one a stack and width: ``FBB-128``."""
+    networks = settings["networks"]
+    return [f"{stack}-{nodes}" for stack in networks["stacks"] for nodes in networks["nodes"]]

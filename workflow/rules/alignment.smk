@@ -1,0 +1,34 @@
+rule align_speech:
+    input:
+        # Nothing heavy starts before every recording is checked; the check's time stamp is no reason to align again.
+        checked=ancient(f"{CORPUS}/check/findings.tsv"),
+        utterances=f"{CORPUS}/corpus/utterances/{{shard}}.tsv",
+        audio=f"{CORPUS}/audio/{{shard}}.h5",
+    output:
+        table=f"{CORPUS}/alignment/{{shard}}.tsv",
+        rejected=f"{CORPUS}/alignment/{{shard}}.rejected.tsv",
+    log:
+        f"{CORPUS}/logs/align_speech/{{shard}}.log",
+    benchmark:
+        f"{CORPUS}/benchmarks/align_speech/{{shard}}.tsv"
+    params:
+        settings=SETTINGS["alignment"],
+        code=code("align_speech.py"),
+    script:
+        "../scripts/align_speech.py"
+
+
+rule export_alignment:
+    input:
+        shards(f"{CORPUS}/alignment/{{shard}}.tsv"),
+    output:
+        textgrid=directory(f"{CORPUS}/alignment/textgrid"),
+        labels=directory(f"{CORPUS}/alignment/labels"),
+    log:
+        f"{CORPUS}/logs/export_alignment.log",
+    benchmark:
+        f"{CORPUS}/benchmarks/export_alignment.tsv"
+    params:
+        code=code("export_alignment.py"),
+    script:
+        "../scripts/export_alignment.py"

@@ -1,0 +1,36 @@
+# The plan of a run: settings, corpus and paths, and the input functions that several stages share.
+from snakemake.exceptions import WorkflowError
+
+from visualspeech import settings
+from visualspeech.corpora.plan import hold, plan_corpus
+from visualspeech.errors import VisualSpeechError
+from visualspeech.models.names import BASELINES
+from visualspeech.provenance import code_digest
+
+try:
+    SETTINGS = settings.resolve(config, Path(workflow.basedir, "config"))
+    if workflow.is_main_process and not workflow.dryrun:
+        LOCK = hold("results")
+    PLAN = plan_corpus(SETTINGS["corpus"], SETTINGS["shards"], SETTINGS["split"], SETTINGS["seed"], "results")
+except VisualSpeechError as error:
+    raise WorkflowError(str(error))
+
+CORPUS = f"results/{PLAN.name}"
+RUN = f"{CORPUS}/{SETTINGS['experiment']}"
+MODELS = settings.model_names(SETTINGS)
+SEED = SETTINGS["seed"]
+
+
+def shards(pattern):
+    """One path a shard that holds utterances."""
+    return expand(pattern, shard=PLAN.shards)
+
+
+def recordings(wildcards):
+    """The files that a shard's jobs read: the media, or the folder that the demo corpus is made in."""
+    return PLAN.media[wildcards.shard]
+
+
+def code(script):
+    """Digest of the library code that a workflow script reaches; as a param it re-runs a rule when that code changes."""
+    return code_digest(Path(workflow.basedir, "workflow", "scripts", script))

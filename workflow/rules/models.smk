@@ -1,0 +1,60 @@
+rule train_network:
+    input:
+        utterances=f"{RUN}/utterances.tsv",
+        phones=f"{RUN}/phones.tsv",
+        features=shards(f"{RUN}/features/{{shard}}.h5"),
+    output:
+        network=f"{RUN}/models/{{model}}/network.safetensors",
+        curve=f"{RUN}/models/{{model}}/learning_curve.tsv",
+    log:
+        f"{RUN}/logs/train_network/{{model}}.log",
+    benchmark:
+        f"{RUN}/benchmarks/train_network/{{model}}.tsv"
+    params:
+        # Not an output: it must outlive a killed job, whose outputs are removed before it runs again.
+        checkpoint=f"{RUN}/models/{{model}}/checkpoint.safetensors",
+        settings=SETTINGS["training"],
+        seed=SEED,
+        code=code("train_network.py"),
+    wildcard_constraints:
+        model="|".join(MODELS),
+    script:
+        "../scripts/train_network.py"
+
+
+rule predict_network:
+    input:
+        utterances=f"{RUN}/utterances.tsv",
+        network=f"{RUN}/models/{{model}}/network.safetensors",
+        features=shards(f"{RUN}/features/{{shard}}.h5"),
+    output:
+        f"{RUN}/models/{{model}}/predictions.h5",
+    log:
+        f"{RUN}/logs/predict_network/{{model}}.log",
+    benchmark:
+        f"{RUN}/benchmarks/predict_network/{{model}}.tsv"
+    params:
+        code=code("predict_network.py"),
+    wildcard_constraints:
+        model="|".join(MODELS),
+    script:
+        "../scripts/predict_network.py"
+
+
+rule predict_baseline:
+    input:
+        utterances=f"{RUN}/utterances.tsv",
+        features=shards(f"{RUN}/features/{{shard}}.h5"),
+    output:
+        f"{RUN}/models/{{model}}/predictions.h5",
+    log:
+        f"{RUN}/logs/predict_baseline/{{model}}.log",
+    benchmark:
+        f"{RUN}/benchmarks/predict_baseline/{{model}}.tsv"
+    params:
+        settings=SETTINGS["baselines"],
+        code=code("predict_baseline.py"),
+    wildcard_constraints:
+        model="|".join(BASELINES),
+    script:
+        "../scripts/predict_baseline.py"

@@ -1,0 +1,23 @@
+rule render_videos:
+    input:
+        utterances=f"{RUN}/utterances.tsv",
+        aam=f"{RUN}/aam/model.safetensors",
+        head=f"{RUN}/pose/head.safetensors",
+        predictions=f"{RUN}/models/{SETTINGS['videos']['model']}/predictions.h5",
+        landmarks=shards(f"{CORPUS}/landmarks/{{shard}}.h5"),
+        pose=shards(f"{RUN}/pose/{{shard}}.h5"),
+        parameters=shards(f"{RUN}/aam/parameters/{{shard}}.h5"),
+        drift=shards(f"{RUN}/aam/drift/{{shard}}.h5"),
+    output:
+        directory(f"{RUN}/videos"),
+    log:
+        f"{RUN}/logs/render_videos.log",
+    benchmark:
+        f"{RUN}/benchmarks/render_videos.tsv"
+    params:
+        settings=SETTINGS["videos"],
+        corpus=PLAN.name,
+        consent=SETTINGS["corpus"].get("consent", ""),
+        code=code("render_videos.py"),
+    script:
+        "../scripts/render_videos.py"
