@@ -6,7 +6,7 @@ rule align_speech:
         audio=f"{CORPUS}/audio/{{shard}}.h5",
     output:
         table=f"{CORPUS}/alignment/{{shard}}.tsv",
-        rejected=f"{CORPUS}/alignment/{{shard}}.rejected.tsv",
+        findings=f"{CORPUS}/alignment/{{shard}}.findings.tsv",
     log:
         f"{CORPUS}/logs/align_speech/{{shard}}.log",
     benchmark:

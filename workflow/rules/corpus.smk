@@ -5,7 +5,6 @@ rule check_recordings:
     output:
         findings=f"{CORPUS}/check/{{shard}}.tsv",
         digests=f"{CORPUS}/check/{{shard}}.digests.tsv",
-        rejected=f"{CORPUS}/check/{{shard}}.rejected.tsv",
         audio=f"{CORPUS}/audio/{{shard}}.h5",
     log:
         f"{CORPUS}/logs/check_recordings/{{shard}}.log",
@@ -23,10 +22,8 @@ rule gather_findings:
         utterances=shards(f"{CORPUS}/corpus/utterances/{{shard}}.tsv"),
         findings=shards(f"{CORPUS}/check/{{shard}}.tsv"),
         digests=shards(f"{CORPUS}/check/{{shard}}.digests.tsv"),
-        rejected=shards(f"{CORPUS}/check/{{shard}}.rejected.tsv"),
     output:
-        findings=f"{CORPUS}/check/findings.tsv",
-        rejected=f"{CORPUS}/check/rejected.tsv",
+        f"{CORPUS}/check/findings.tsv",
     log:
         f"{CORPUS}/logs/gather_findings.log",
     benchmark:

@@ -6,7 +6,7 @@ rule track_landmarks:
         recordings=recordings,
     output:
         landmarks=f"{CORPUS}/landmarks/{{shard}}.h5",
-        rejected=f"{CORPUS}/landmarks/{{shard}}.rejected.tsv",
+        findings=f"{CORPUS}/landmarks/{{shard}}.findings.tsv",
     log:
         f"{CORPUS}/logs/track_landmarks/{{shard}}.log",
     benchmark:

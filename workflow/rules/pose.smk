@@ -39,14 +39,14 @@ rule accept_utterances:
         split=f"{CORPUS}/corpus/split.tsv",
         landmarks=shards(f"{CORPUS}/landmarks/{{shard}}.h5"),
         pose=shards(f"{RUN}/pose/{{shard}}.h5"),
-        rejected=[
-            f"{CORPUS}/check/rejected.tsv",
-            *shards(f"{CORPUS}/alignment/{{shard}}.rejected.tsv"),
-            *shards(f"{CORPUS}/landmarks/{{shard}}.rejected.tsv"),
+        findings=[
+            f"{CORPUS}/check/findings.tsv",
+            *shards(f"{CORPUS}/alignment/{{shard}}.findings.tsv"),
+            *shards(f"{CORPUS}/landmarks/{{shard}}.findings.tsv"),
         ],
     output:
         accepted=f"{RUN}/utterances.tsv",
-        rejected=f"{RUN}/rejected.tsv",
+        findings=f"{RUN}/findings.tsv",
     log:
         f"{RUN}/logs/accept_utterances.log",
     benchmark:

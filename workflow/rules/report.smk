@@ -1,8 +1,7 @@
 rule write_report:
     input:
         table=f"{RUN}/tables/objective.html",
-        findings=f"{CORPUS}/check/findings.tsv",
-        rejected=f"{RUN}/rejected.tsv",
+        findings=f"{RUN}/findings.tsv",
         utterances=f"{RUN}/utterances.tsv",
         aam=f"{RUN}/aam/model.safetensors",
         features=shards(f"{RUN}/features/{{shard}}.h5"),

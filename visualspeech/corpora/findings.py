@@ -1,0 +1,74 @@
+"""What was found wrong or odd with utterances: the record, its table, and the point at which a corpus is refused."""
+
+from collections.abc import Iterable
+from dataclasses import asdict, dataclass, fields
+
+from visualspeech.errors import CorpusError, RejectedUtterance
+from visualspeech.storage import read_table, write_table
+
+REJECT, WARN = "reject", "warn"
+
+
+@dataclass(frozen=True)
+class Finding:
+    """One sentence about one utterance.
+
+    Parameters
+    ----------
+    id : of the utterance
+    stage : of the workflow (check, alignment, landmarks, pose)
+    level : ``reject`` (the corpus goes on without the utterance) or ``warn`` (it is used as it is)
+    file : that the finding is about
+    finding : what is wrong or odd
+    remedy : what a person can do about it
+    """
+
+    id: str
+    stage: str
+    level: str
+    file: str
+    finding: str
+    remedy: str = ""
+
+
+def rejection(utterance_id: str, stage: str, file: str, error: RejectedUtterance) -> Finding:
+    """The finding that stands for a :class:`RejectedUtterance`."""
+    return Finding(utterance_id, stage, REJECT, file, error.reason, error.remedy)
+
+
+def write_findings(path, findings: Iterable[Finding]) -> None:
+    """Write findings as a table, rejections first, then by utterance."""
+    import pandas
+
+    ordered = sorted(findings, key=lambda one: (one.level != REJECT, one.id, one.stage, one.finding))
+    columns = [field.name for field in fields(Finding)]
+    write_table(path, pandas.DataFrame([asdict(one) for one in ordered], columns=columns))
+
+
+def read_findings(*paths) -> list[Finding]:
+    """Read the findings of several tables."""
+    names = tuple(field.name for field in fields(Finding))
+    return [Finding(*row) for path in paths for row in read_table(path, names)[list(names)].itertuples(index=False)]
+
+
+def rejected_ids(findings: Iterable[Finding]) -> set[str]:
+    """Ids of the utterances that the corpus goes on without."""
+    return {one.id for one in findings if one.level == REJECT}
+
+
+def check_share(findings: Iterable[Finding], utterances: int, limit: float) -> None:
+    """Refuse a corpus of which more than a share ``limit`` is rejected, or all of it.
+
+    Raises
+    ------
+    CorpusError
+        Naming the first reasons.
+    """
+    rejections = [one for one in findings if one.level == REJECT]
+    count = len({one.id for one in rejections})
+    if count and (count > limit * utterances or count == utterances):
+        first = "\n".join(f"  {one.file or one.id}: {one.finding}. {one.remedy}" for one in rejections[:10])
+        raise CorpusError(
+            f"{count} of {utterances} utterances cannot be used, more than the share `max_rejected_share: {limit:g}`:\n"
+            f"{first}\nMend the recordings, or raise the share if you can do without them."
+        )

@@ -1,0 +1,35 @@
+"""Utterances as tables: what the plan wrote, read back as records; and the table of those that were accepted."""
+
+from collections.abc import Iterable, Mapping
+from dataclasses import asdict, fields
+
+from visualspeech.corpora.records import Utterance
+from visualspeech.storage import read_table, write_table
+
+TEXT = ("id", "speaker", "media", "transcript", "split", "emotion")
+
+
+def read_utterances(path) -> list[Utterance]:
+    """The utterances of one table, in its order; columns that are no field of the record are left out."""
+    table = read_table(path, TEXT)
+    known = [field.name for field in fields(Utterance) if field.name in table.columns]
+    return [Utterance(**row) for row in table[known].to_dict("records")]
+
+
+def read_split(path) -> dict[str, str]:
+    """Split of each utterance: id -> train, validation or test."""
+    table = read_table(path, ("id", "split"))
+    return dict(zip(table["id"], table["split"], strict=True))
+
+
+def write_accepted(path, utterances: Iterable[Utterance], split: Mapping[str, str]) -> None:
+    """Write the utterances that models learn from and are judged by, each with its split, sorted by id."""
+    import pandas
+
+    rows = [{**asdict(one), "split": split[one.id]} for one in sorted(utterances, key=lambda one: one.id)]
+    write_table(path, pandas.DataFrame(rows, columns=[field.name for field in fields(Utterance)]))
+
+
+def of_split(utterances: Iterable[Utterance], split: str) -> list[Utterance]:
+    """The utterances of one split, in their order."""
+    return [one for one in utterances if one.split == split]
