@@ -1,0 +1,50 @@
+"""The demo corpus as a list of utterances; nothing is rendered and nothing heavy imported here."""
+
+import random
+from collections.abc import Mapping
+from pathlib import Path
+
+from visualspeech.corpora.demo.sentences import SENTENCES
+from visualspeech.corpora.records import Utterance, shard_of
+from visualspeech.errors import SettingError
+
+SPEAKER = "demo"
+
+
+def media_path(root: str | Path, utterance_id: str, shard: int | None = None) -> Path:
+    """Where the recording of an utterance is, or will be: ``root/id.mp4``, or ``root/shard/id.mp4``."""
+    folder = Path(root) if shard is None else Path(root) / str(shard)
+    return folder / f"{utterance_id}.mp4"
+
+
+def utterances(corpus: Mapping) -> list[Utterance]:
+    """List the utterances of the demo corpus, sorted by id.
+
+    Parameters
+    ----------
+    corpus : settings with the keys ``root`` (folder of the recordings, to be made by
+        :func:`visualspeech.corpora.demo.recording.record_shard`), ``utterances`` (how many, default 60),
+        ``seed`` (which sentences, default 1) and, where the recordings are made in several jobs, ``shards``: each
+        recording then lies in the subfolder of its shard.
+
+    Raises
+    ------
+    SettingError
+        ``root`` is missing, or there are not that many sentences.
+    """
+    if not corpus.get("root"):
+        raise SettingError("the demo corpus needs the key `root`: the folder that its recordings are written to.")
+    count = corpus.get("utterances", 60)
+    if isinstance(count, bool) or not isinstance(count, int) or not 1 <= count <= len(SENTENCES):
+        raise SettingError(f"`utterances` of the demo corpus is {count!r}; give a whole number, 1 to {len(SENTENCES)}.")
+    shards = corpus.get("shards")
+    if shards is not None and (isinstance(shards, bool) or not isinstance(shards, int) or shards < 1):
+        raise SettingError(f"`shards` of the demo corpus is {shards!r}; give a whole number, 1 or more.")
+    chosen = random.Random(int(corpus.get("seed", 1))).sample(range(len(SENTENCES)), count)
+    return [_utterance(number, corpus["root"], shards) for number in sorted(chosen)]
+
+
+def _utterance(number: int, root: str | Path, shards: int | None) -> Utterance:
+    name = f"demo{number + 1:03d}"
+    shard = None if shards is None else shard_of(name, shards)
+    return Utterance(name, SPEAKER, str(media_path(root, name, shard)), SENTENCES[number])

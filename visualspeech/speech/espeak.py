@@ -1,0 +1,115 @@
+"""One call into eSpeak NG: a request as JSON on standard input, the answer on standard output.
+
+Run as a program of its own (``python -P espeak.py``): eSpeak NG repeats its output bit for bit only for the first
+utterance of a process, and a fault in the C library then ends this process alone. Only the standard library and
+``espeakng_loader`` are imported, so that it starts fast. :mod:`visualspeech.speech.tts` is its caller.
+
+Requests: ``{"say": text, "voice": name, "rate": words a minute, "pitch": 0..100}``, answered by one JSON line
+``{"rate", "events"}`` and the samples (16 bit, mono); or ``{"pronounce": [words], "voice": name}``, answered by one
+JSON line ``{"pronounced": [[mnemonics of a word], ...]}``.
+"""
+
+import ctypes
+import json
+import sys
+
+# Names and numbers of speak_lib.h
+SYNCHRONOUS = 2
+PHONEME_EVENTS, DO_NOT_EXIT = 0x0001, 0x8000
+UTF8 = 1
+RATE, PITCH = 1, 3
+WORD, PHONEME = 1, 7
+STRESS_MARKS = "',%=|\""
+
+
+class _Id(ctypes.Union):
+    _fields_ = [("number", ctypes.c_int), ("name", ctypes.c_char_p), ("string", ctypes.c_char * 8)]
+
+
+class _Event(ctypes.Structure):
+    _fields_ = [
+        ("type", ctypes.c_int),
+        ("unique_identifier", ctypes.c_uint),
+        ("text_position", ctypes.c_int),
+        ("length", ctypes.c_int),
+        ("audio_position", ctypes.c_int),
+        ("sample", ctypes.c_int),
+        ("user_data", ctypes.c_void_p),
+        ("id", _Id),
+    ]
+
+
+_Callback = ctypes.CFUNCTYPE(ctypes.c_int, ctypes.c_void_p, ctypes.c_int, ctypes.POINTER(_Event))
+
+
+class Engine:
+    """The library, loaded and with a voice chosen; ``rate`` is its sample rate in Hz."""
+
+    def __init__(self, voice: str) -> None:
+        import espeakng_loader
+
+        self.library = ctypes.CDLL(espeakng_loader.get_library_path())
+        data = espeakng_loader.get_data_path().encode()
+        self.rate = self.library.espeak_Initialize(SYNCHRONOUS, 0, data, PHONEME_EVENTS | DO_NOT_EXIT)
+        if self.rate <= 0:
+            raise RuntimeError("eSpeak NG cannot read its data")
+        if self.library.espeak_SetVoiceByName(voice.encode()) != 0:
+            raise ValueError(f"eSpeak NG has no voice {voice!r}")
+
+    def pronounce(self, word: str) -> list[str]:
+        """Phoneme mnemonics of one word, without stress marks."""
+        function = self.library.espeak_TextToPhonemes
+        function.restype = ctypes.c_char_p
+        pointer = ctypes.c_char_p(word.encode("utf-8"))
+        phonemes = []
+        while pointer.value:
+            text = function(ctypes.byref(pointer), UTF8, ord("_") << 8) or b""
+            phonemes += text.decode("utf-8", "replace").replace(" ", "_").split("_")
+        return [name for name in (phoneme.strip(STRESS_MARKS) for phoneme in phonemes) if name]
+
+    def say(self, text: str, rate: int, pitch: int) -> tuple[list, bytes]:
+        """Events ``["word", sample, first character, characters]`` and ``["phone", sample, mnemonic]``; samples."""
+        events, chunks = [], []
+
+        def receive(samples, count, event):
+            if samples and count:
+                chunks.append(ctypes.string_at(samples, 2 * count))
+            i = 0
+            while event[i].type:
+                if event[i].type == WORD:
+                    events.append(["word", event[i].sample, event[i].text_position - 1, event[i].length])
+                elif event[i].type == PHONEME:
+                    name = event[i].id.string.decode("utf-8", "replace").strip(STRESS_MARKS)
+                    events.append(["phone", event[i].sample, name])
+                i += 1
+            return 0
+
+        callback = _Callback(receive)
+        self.library.espeak_SetSynthCallback(callback)
+        self.library.espeak_SetParameter(RATE, rate, 0)
+        self.library.espeak_SetParameter(PITCH, pitch, 0)
+        data = text.encode("utf-8")
+        self.library.espeak_Synth(data, len(data) + 1, 0, 0, 0, UTF8, None, None)
+        self.library.espeak_Synchronize()
+        return events, b"".join(chunks)
+
+
+def main() -> int:
+    """Answer the request on standard input; status 2 and a sentence on standard error where it cannot be done."""
+    request = json.load(sys.stdin)
+    try:
+        engine = Engine(request["voice"])
+        if "pronounce" in request:
+            answer, samples = {"pronounced": [engine.pronounce(word) for word in request["pronounce"]]}, b""
+        else:
+            events, samples = engine.say(request["say"], request["rate"], request["pitch"])
+            answer = {"rate": engine.rate, "events": events}
+    except (RuntimeError, ValueError, OSError, ImportError) as error:
+        print(error, file=sys.stderr)
+        return 2
+    sys.stdout.buffer.write(json.dumps(answer).encode() + b"\n" + samples)
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
