@@ -8,7 +8,6 @@ half-written under a name that another job reads. Nothing here unpickles or exec
 import json
 import os
 import shutil
-import tempfile
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
@@ -43,27 +42,18 @@ def replacing(path: str | Path) -> Iterator[Path]:
     try:
         try:
             path.parent.mkdir(parents=True, exist_ok=True)
-            handle, name = tempfile.mkstemp(prefix=f".{path.stem}.", suffix=path.suffix, dir=path.parent)
-            os.close(handle)
-            os.unlink(name)
-            temporary = Path(name)
+            # One fixed name: what a killed job left there is replaced by the next, and nothing piles up.
+            temporary = path.with_name(f".partial.{path.name}")
+            _remove(temporary)
             yield temporary
             if temporary.is_dir():
                 _remove(path)
-            else:
-                os.chmod(temporary, 0o666 & ~_umask())
             os.replace(temporary, path)
         except OSError as error:
             raise _explain(error, path) from error
     finally:
         if temporary is not None:
             _remove(temporary)
-
-
-def _umask() -> int:
-    mask = os.umask(0)
-    os.umask(mask)
-    return mask
 
 
 def _remove(path: Path) -> None:

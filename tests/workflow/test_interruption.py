@@ -1,0 +1,51 @@
+"""A run killed at any point goes on with the same command to the same tables, with any number of cores."""
+
+import os
+import signal
+import subprocess
+import time
+
+import pytest
+
+from tests.workflow.running import command, snakemake, tables
+
+#: The run is killed when a file that matches appears: early, in the middle of the shards, in training, at the end.
+MOMENTS = ["recordings", "landmarks/*.h5", "fan2015/aam/model.safetensors", "fan2015/models/FB-16/checkpoint.safetensors"]
+
+
+def kill_whole_run_when(folder, pattern):
+    run = subprocess.Popen(
+        command(folder, "all", cores=2), stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, start_new_session=True
+    )
+    corpus = folder / "results" / "tiny"
+    while run.poll() is None and not list(corpus.glob(pattern)):
+        time.sleep(0.05)
+    killed = run.poll() is None
+    if killed:
+        os.killpg(run.pid, signal.SIGKILL)
+    run.wait()
+    return killed
+
+
+def test_killed_runs_end_in_the_same_tables(tiny_run, tmp_path):
+    kills = [kill_whole_run_when(tmp_path, moment) for moment in MOMENTS]
+    assert sum(kills) >= 3, f"only {sum(kills)} of {len(MOMENTS)} kills came in time"
+    done = snakemake(tmp_path, "all", cores=1)
+    assert done.returncode == 0, done.stdout[-4000:]
+    assert tables(tmp_path) == tables(tiny_run)
+    leftovers = [path for path in (tmp_path / "results").rglob(".*") if path.is_file() and path.name != ".lock"]
+    assert leftovers == []
+
+
+def test_two_runs_at_once_do_not_share_a_folder(tmp_path):
+    from visualspeech.corpora.plan import hold
+    from visualspeech.errors import StorageError
+
+    held = hold(tmp_path / "results")
+    with pytest.raises(StorageError, match="another run"):
+        hold(tmp_path / "results")
+    done = snakemake(tmp_path, "alignment")
+    assert done.returncode != 0
+    assert "another run is using" in done.stdout and "Traceback" not in done.stdout
+    held.close()
+    hold(tmp_path / "results").close()
