@@ -1,0 +1,162 @@
+"""How sure a corpus figure is: percentile bootstrap over utterances (Efron 1979), and quotients of paired rows.
+
+Utterances, not frames, are drawn: frames of one utterance depend on each other. All rows of a table share the same
+draws, so that a quotient of two rows is drawn as a pair.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from visualspeech.errors import DataError, SettingError
+from visualspeech.evaluation.metrics import metric_named, sums
+
+BASE_ROW = "training_mean"
+
+
+@dataclass(frozen=True)
+class BootstrapSettings:
+    """Settings of the intervals: number of draws, level of confidence, seed."""
+
+    samples: int = 2000
+    level: float = 0.95
+    seed: int = 0
+
+    def __post_init__(self) -> None:
+        if self.samples < 1:
+            raise SettingError(f"`bootstrap.samples: {self.samples}` must be at least 1.")
+        if not 0 < self.level < 1:
+            raise SettingError(f"`bootstrap.level: {self.level}` must lie between 0 and 1, for example 0.95.")
+
+
+@dataclass(frozen=True)
+class Figure:
+    """A corpus figure with its interval; NaN where undefined."""
+
+    value: float
+    low: float
+    high: float
+
+
+def draws(utterances: int, settings: BootstrapSettings) -> np.ndarray:
+    """Indices of the drawn utterances, shape (samples, utterances), with replacement.
+
+    Raises
+    ------
+    DataError
+        There is no utterance to draw from.
+    """
+    if utterances < 1:
+        raise DataError("there is no test utterance to evaluate.")
+    generator = np.random.default_rng(settings.seed)
+    kind = np.int32 if utterances < 2**31 else np.int64
+    return generator.integers(utterances, size=(settings.samples, utterances), dtype=kind)
+
+
+def figure(numerator: np.ndarray, denominator: np.ndarray, drawn: np.ndarray, level: float) -> Figure:
+    """``sum(numerator) / sum(denominator)`` over utterances, with its percentile interval.
+
+    Parameters
+    ----------
+    numerator, denominator : shape (utterances,)
+    drawn : from :func:`draws`
+    level : confidence, for example 0.95
+    """
+    return _interval(
+        _quotient(numerator.sum(), denominator.sum()), _drawn_quotients(numerator, denominator, drawn), level
+    )
+
+
+def relative_figure(
+    row: tuple[np.ndarray, np.ndarray], base: tuple[np.ndarray, np.ndarray], drawn: np.ndarray, level: float
+) -> Figure:
+    """A row's figure divided by the base row's, both from the same draws.
+
+    Undefined (NaN) where the base row's own interval holds 0: a quotient by what may be nothing says nothing.
+    """
+    below = figure(*base, drawn, level)
+    if not (below.low > 0 or below.high < 0):
+        return Figure(np.nan, np.nan, np.nan)
+    value = _quotient(_quotient(row[0].sum(), row[1].sum()), below.value)
+    return _interval(value, _quotient(_drawn_quotients(*row, drawn), _drawn_quotients(*base, drawn)), level)
+
+
+def summarise(tables: Mapping[str, object], metrics: Sequence[str], settings: BootstrapSettings, base: str = BASE_ROW):
+    """The summary of all rows: one line a row and measure.
+
+    Parameters
+    ----------
+    tables : row name (a network or a baseline) -> per-utterance table of :mod:`visualspeech.evaluation.metrics`
+    metrics : names of measures
+    settings : of the bootstrap
+    base : the row that every row is divided by
+
+    Returns
+    -------
+    DataFrame
+        columns ``row metric value low high ratio ratio_low ratio_high``, in the order of ``tables`` and ``metrics``
+
+    Raises
+    ------
+    SettingError
+        A metric is unknown.
+    DataError
+        The base row is missing, or rows were evaluated on different utterances.
+    """
+    import pandas
+
+    chosen = [metric_named(name) for name in metrics]
+    _check_rows(tables, base)
+    drawn = draws(len(tables[base]), settings)
+    lines = []
+    for row, table in tables.items():
+        for metric in chosen:
+            own = sums(table, metric)
+            plain = figure(*own, drawn, settings.level)
+            ratio = relative_figure(own, sums(tables[base], metric), drawn, settings.level)
+            lines.append(
+                (row, metric.name, plain.value, plain.low, plain.high, ratio.value, ratio.low, ratio.high),
+            )
+    return pandas.DataFrame(
+        lines, columns=["row", "metric", "value", "low", "high", "ratio", "ratio_low", "ratio_high"]
+    )
+
+
+def _check_rows(tables: Mapping[str, object], base: str) -> None:
+    if base not in tables:
+        raise DataError(f"the row `{base}` is missing; every row is shown as a ratio to it.")
+    expected = [(name, int(frames)) for name, frames in zip(tables[base]["id"], tables[base]["frames"], strict=True)]
+    for row, table in tables.items():
+        found = [(name, int(frames)) for name, frames in zip(table["id"], table["frames"], strict=True)]
+        if found != expected:
+            odd = sorted(set(found) ^ set(expected))[:3]
+            raise DataError(
+                f"`{row}` and `{base}` were evaluated on different utterances or frames ({len(found)} and "
+                f"{len(expected)} utterances; for example {odd}). Delete the models folder and run again."
+            )
+
+
+def _drawn_quotients(numerator: np.ndarray, denominator: np.ndarray, drawn: np.ndarray) -> np.ndarray:
+    # In blocks, so that memory does not grow with samples times utterances; plain sums, so that the bits do not
+    # depend on a linear-algebra library's threads.
+    rows = max(1, 2_000_000 // drawn.shape[1])
+    return np.concatenate(
+        [
+            _quotient(numerator[block].sum(axis=1), denominator[block].sum(axis=1))
+            for block in (drawn[start : start + rows] for start in range(0, len(drawn), rows))
+        ]
+    )
+
+
+def _quotient(numerator, denominator):
+    with np.errstate(divide="ignore", invalid="ignore"):
+        return np.where(np.asarray(denominator) != 0, np.divide(numerator, denominator), np.nan)
+
+
+def _interval(value, drawn_values: np.ndarray, level: float) -> Figure:
+    defined = drawn_values[np.isfinite(drawn_values)]
+    if not len(defined) or not np.isfinite(value):
+        return Figure(float(value), np.nan, np.nan)
+    low, high = np.quantile(defined, [(1 - level) / 2, (1 + level) / 2])
+    return Figure(float(value), float(low), float(high))
