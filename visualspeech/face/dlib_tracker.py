@@ -1,0 +1,170 @@
+"""The default tracker: dlib's 68-point regression trees on a crop that follows the face.
+
+Three things make it steadier and faster than detecting and predicting frame by frame:
+
+- the box is a fixed function of the last frame's rigid points, low-passed, so that the points do not depend on the
+  coarse steps of the detector's image pyramid, neither from frame to frame nor from recording to recording;
+- the crop is cut at sub-pixel position, brought upright and to a fixed size (dlib's points are whole pixels);
+- the detector runs now and then on the whole frame, and in between only on a small crop, and only when what is in the
+  box no longer looks like the face that was confirmed last.
+"""
+
+import functools
+
+import numpy as np
+
+from visualspeech.face.landmarks import RIGID, LandmarkSettings
+
+# The box that dlib's detector draws, in units of the RMS radius of the rigid points: side, and how far its centre lies
+# below theirs. Means over GRID's speaker s1; what counts is only that they are always the same.
+BOX_SIDE = 5.39
+BOX_BELOW = 0.40
+# The crop shows this many box sides: the regression looks at pixels outside the box (chin, ears).
+CROP_SIDES = 1.3
+# Share of the way the box moves towards the face in each frame.
+FOLLOW = 0.5
+# The detector's window is 80 pixels; a face is easiest to confirm slightly above that.
+CONFIRM_PIXELS = 92
+CONFIRM_SIDES = 1.7
+LIKENESS_PIXELS = 24
+
+
+@functools.cache
+def _models():
+    import importlib.util
+    from pathlib import Path
+
+    import dlib
+
+    package = importlib.util.find_spec("face_recognition_models")
+    folder = Path(package.origin).parent / "models"
+    return dlib.get_frontal_face_detector(), dlib.shape_predictor(
+        str(folder / "shape_predictor_68_face_landmarks.dat")
+    )
+
+
+class DlibTracker:
+    """Follows the face of one recording; see :class:`visualspeech.face.landmarks.Tracker`."""
+
+    def __init__(self, settings: LandmarkSettings) -> None:
+        import cv2
+
+        self._cv = cv2
+        self._settings = settings
+        self._detector, self._predictor = _models()
+        self._box = None  # centre x, centre y, side, roll (radians)
+        self._confirmed = None  # small picture of the face that was confirmed last
+        self._frame = 0
+        self._faces = 0
+
+    def faces(self) -> int:
+        return self._faces
+
+    def next(self, frame: np.ndarray) -> np.ndarray | None:
+        grey = self._cv.cvtColor(frame, self._cv.COLOR_RGB2GRAY)
+        search = self._box is None or self._frame % self._settings.search_every == 0
+        self._frame += 1
+        if search or not (self._alike(grey) or self._confirm(grey)):
+            found = self._search(grey)
+            if found is None and not (self._box is not None and self._confirm(grey)):
+                self._confirmed = None
+                return None
+            if found is not None and self._moved(found):
+                self._box = found
+                # The detector's own box only starts the points; they then say where their box is.
+                self._box = box_of(self._predict(grey, self._box))
+            self._confirmed = None
+        points = self._predict(grey, self._box)
+        for number in range(1, self._settings.predictions):
+            points = points + self._predict(grey, _shaken(self._box, number))
+        points = points / max(self._settings.predictions, 1)
+        self._box = self._box + FOLLOW * (box_of(points) - self._box)
+        if self._confirmed is None:
+            self._confirmed = self._small(grey)
+        return points
+
+    def _crop(self, grey: np.ndarray, box: np.ndarray, face: float, sides: float) -> tuple[np.ndarray, np.ndarray]:
+        """An upright square around the box in which the face is ``face`` pixels wide, and the (2, 3) map into it."""
+        scale = face / box[2]
+        cosine, sine = np.cos(box[3]) * scale, np.sin(box[3]) * scale
+        size = int(round(face * sides))
+        turn = np.array([[cosine, sine], [-sine, cosine]])
+        matrix = np.column_stack([turn, size / 2 - turn @ box[:2]])
+        if scale < 0.6:  # bilinear sampling would alias
+            shrink = scale / 0.8
+            grey = self._cv.resize(grey, None, fx=shrink, fy=shrink, interpolation=self._cv.INTER_AREA)
+            half = 0.5 - 0.5 / shrink
+            inner = np.column_stack([turn / shrink, matrix[:, 2] - turn @ (half, half)])
+        else:
+            inner = matrix
+        crop = self._cv.warpAffine(
+            grey, inner, (size, size), flags=self._cv.INTER_LINEAR, borderMode=self._cv.BORDER_REPLICATE
+        )
+        return crop, matrix
+
+    def _predict(self, grey: np.ndarray, box: np.ndarray) -> np.ndarray:
+        import dlib
+
+        face = self._settings.face_pixels
+        crop, matrix = self._crop(grey, box, face, CROP_SIDES)
+        low = (crop.shape[0] - face) // 2
+        shape = self._predictor(crop, dlib.rectangle(low, low, low + face, low + face))
+        points = np.array([(part.x, part.y) for part in shape.parts()], float)
+        return np.linalg.solve(matrix[:, :2], (points - matrix[:, 2]).T).T
+
+    def _small(self, grey: np.ndarray) -> np.ndarray:
+        picture = self._crop(grey, self._box, LIKENESS_PIXELS, 1.0)[0].astype(float)
+        return (picture - picture.mean()) / max(picture.std(), 1e-6)
+
+    def _alike(self, grey: np.ndarray) -> bool:
+        if self._confirmed is None:
+            return False
+        return float((self._small(grey) * self._confirmed).mean()) >= self._settings.likeness
+
+    def _confirm(self, grey: np.ndarray) -> bool:
+        crop = self._crop(grey, self._box, CONFIRM_PIXELS, CONFIRM_SIDES)[0]
+        return len(self._detector.run(crop, 0, -0.2)[0]) > 0
+
+    def _search(self, grey: np.ndarray) -> np.ndarray | None:
+        """The box of the face in the whole frame: the one followed so far, else the largest that is surely a face."""
+        scale = min(1.0, self._settings.detector_pixels / max(grey.shape))
+        picture = grey
+        if scale < 1.0:
+            picture = self._cv.resize(grey, None, fx=scale, fy=scale, interpolation=self._cv.INTER_AREA)
+        rectangles, scores, _ = self._detector.run(picture, 0, 0.0)
+        if not rectangles:
+            return None
+        boxes = np.array([((r.left() + r.right()) / 2, (r.top() + r.bottom()) / 2, r.width(), 0) for r in rectangles])
+        boxes[:, :3] /= scale
+        scores = np.array(scores)
+        sure = scores >= 0.3 * scores.max()
+        self._faces = max(self._faces, int(sure.sum()))
+        if self._box is not None:
+            near = np.linalg.norm(boxes[:, :2] - self._box[:2], axis=1)
+            if near.min() < 0.5 * self._box[2]:
+                return boxes[near.argmin()]
+        return boxes[np.where(sure, boxes[:, 2], 0).argmax()]
+
+    def _moved(self, found: np.ndarray) -> bool:
+        """Whether the face is elsewhere than the box (else the box, which is finer, stays)."""
+        if self._box is None:
+            return True
+        far = np.linalg.norm(found[:2] - self._box[:2]) > 0.25 * self._box[2]
+        return bool(far or abs(np.log(found[2] / self._box[2])) > 0.3)
+
+
+def box_of(points: np.ndarray) -> np.ndarray:
+    """The box of a face (centre x, centre y, side, roll) from its points (68, 2)."""
+    rigid = points[RIGID]
+    centre = rigid.mean(0)
+    radius = np.sqrt(((rigid - centre) ** 2).sum(1).mean())
+    eyes = points[45] - points[36]
+    roll = np.arctan2(eyes[1], eyes[0])
+    down = np.array([-np.sin(roll), np.cos(roll)])
+    return np.array([*(centre + BOX_BELOW * radius * down), BOX_SIDE * radius, roll])
+
+
+def _shaken(box: np.ndarray, number: int) -> np.ndarray:
+    """A box a little beside ``box``; the same for the same ``number``."""
+    angle = 2.4 * number
+    return box + box[2] * 0.02 * np.array([np.cos(angle), np.sin(angle), np.cos(2 * angle), 0])

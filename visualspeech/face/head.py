@@ -1,0 +1,199 @@
+"""The speaker's head in three dimensions, fitted to his own landmarks.
+
+A mean face alone explains a speaker's landmarks to a few pixels. Here every one of the 68 points gets the place in head
+coordinates that explains where it was seen over many frames, with the mean face as prior: bundle adjustment by
+alternating between the poses (from the rigid points) and the points (from the poses).
+"""
+
+from dataclasses import asdict, dataclass, fields
+
+import numpy as np
+
+from visualspeech import storage
+from visualspeech.errors import DataError
+from visualspeech.face.camera import point_jacobian, rotation_matrices, solve_pose
+from visualspeech.face.landmarks import POINTS, RIGID
+from visualspeech.face.mean_face import MEAN_FACE
+
+
+@dataclass(frozen=True)
+class PoseSettings:
+    """How heads are modelled and poses smoothed.
+
+    Parameters
+    ----------
+    focal : focal length in units of the picture's longer side (a stated assumption: recordings do not tell it. 2 is a
+        field of view of 28 degrees, a head-and-shoulders shot from across a desk. At the distance of a head a wrong
+        value is nearly all taken up by the fitted depths.)
+    frames : frames on which the head is fitted, at most
+    iterations : alternations of the bundle adjustment
+    noise : expected error of a rigid landmark in pixels of a face 100 pixels wide
+    depth_deviation, place_deviation : how far a speaker's points are expected to lie from the mean face's, in depth
+        and across, as a share of the width of the face
+    rotation_smoothing, place_smoothing : standard deviations in frames of the Gaussians that smooth rotation and
+        distance, and the place in the picture
+    margin : border around the mean points in the normalised picture, as a share of the width of the face
+    """
+
+    focal: float = 2.0
+    frames: int = 600
+    iterations: int = 12
+    noise: float = 1.0
+    depth_deviation: float = 0.06
+    place_deviation: float = 0.3
+    rotation_smoothing: float = 2.0
+    place_smoothing: float = 1.0
+    margin: float = 0.25
+
+
+@dataclass(frozen=True)
+class HeadModel:
+    """A speaker's head and the camera that looks at it.
+
+    Parameters
+    ----------
+    points3d : (68, 3) mean places in head coordinates; their unit is a pixel of the normalised face, and at the mean
+        distance from the camera also a pixel of the recording
+    rigid : indices of the points that give the pose
+    weights : (rigid,) weight of each of these
+    focal : focal length in pixels of the recording
+    centre : (2,) principal point in pixels of the recording
+    offset : (2,) where the head's origin lies in the normalised picture
+    size : (width, height) of the normalised picture
+    settings : with which it was fitted
+    """
+
+    points3d: np.ndarray
+    rigid: np.ndarray
+    weights: np.ndarray
+    focal: float
+    centre: np.ndarray
+    offset: np.ndarray
+    size: tuple[int, int]
+    settings: PoseSettings
+
+    @property
+    def mean_points(self) -> np.ndarray:
+        """The mean points in the normalised picture, (68, 2) pixels."""
+        return self.points3d[:, :2] + self.offset
+
+    def save(self, path) -> None:
+        """Write the model as safetensors."""
+        tensors = {
+            name: np.asarray(getattr(self, name)) for name in ("points3d", "rigid", "weights", "centre", "offset")
+        }
+        storage.write_model(
+            path,
+            tensors,
+            {"kind": "head", "focal": self.focal, "size": list(self.size), "settings": asdict(self.settings)},
+        )
+
+    @classmethod
+    def load(cls, path) -> "HeadModel":
+        """Read what :meth:`save` wrote.
+
+        Raises
+        ------
+        StorageError
+            The file is no head model.
+        """
+        tensors, stored = storage.read_model(path)
+        if stored.get("kind") != "head":
+            raise storage.StorageError(f"{path} holds no head model. Delete it and run again to make it anew.")
+        known = {field.name for field in fields(PoseSettings)}
+        settings = PoseSettings(**{key: value for key, value in stored["settings"].items() if key in known})
+        return cls(**tensors, focal=float(stored["focal"]), size=tuple(stored["size"]), settings=settings)
+
+
+def fit_head(points: np.ndarray, image_size: tuple[int, int], settings: PoseSettings | None = None) -> HeadModel:
+    """Fit the head of one speaker.
+
+    Parameters
+    ----------
+    points : (n, 68, 2) landmarks in image pixels of n frames, best spread over all training utterances
+    image_size : (width, height) of the frames in pixels
+
+    Raises
+    ------
+    DataError
+        The landmarks have another shape, or there are none.
+    """
+    settings = settings or PoseSettings()
+    points = np.asarray(points, float)
+    if points.ndim != 3 or points.shape[1:] != (POINTS, 2) or len(points) == 0:
+        raise DataError(f"a head is fitted to landmarks (n, {POINTS}, 2), not {points.shape}.")
+    if len(points) > settings.frames:
+        points = points[np.linspace(0, len(points) - 1, settings.frames).round().astype(int)]
+    centre = np.array([image_size[0] / 2, image_size[1] / 2])
+    focal = settings.focal * max(image_size)
+    # Head units are pixels of the recording at the mean distance, which makes that distance the focal length.
+    prior = MEAN_FACE * _seen_size(points)
+    width = np.ptp(prior[:, 0])
+    deviation = width * np.array([settings.place_deviation, settings.place_deviation, settings.depth_deviation])
+    noise = np.full(POINTS, settings.noise * width / 100)
+    model = prior.copy()
+    pose = None
+    for _ in range(settings.iterations):
+        weights = (noise[RIGID].mean() / noise[RIGID]) ** 2
+        pose = solve_pose(points, model[RIGID], focal, centre, weights, start=pose)
+        # The scale of head and distance together is free: the mean distance is the focal length.
+        stretch = focal / pose[1][:, 2].mean()
+        model, pose = model * stretch, (pose[0], pose[1] * stretch)
+        model, residual = _fit_points(points, model, prior, pose, focal, centre, noise, deviation)
+        noise = np.maximum(np.sqrt((np.median(residual**2, axis=0)) / 1.386), 0.2 * width / 100)
+        model, pose = _upright(model, prior, pose)
+    margin = settings.margin * width
+    low = model[:, :2].min(0) - margin
+    size = np.ceil(model[:, :2].max(0) + margin - low).astype(int)
+    size += size % 2
+    weights = (noise[RIGID].mean() / noise[RIGID]) ** 2
+    return HeadModel(
+        points3d=model,
+        rigid=RIGID,
+        weights=weights,
+        focal=float(focal),
+        centre=centre,
+        offset=-np.floor(low),
+        size=(int(size[0]), int(size[1])),
+        settings=settings,
+    )
+
+
+def _seen_size(points: np.ndarray) -> float:
+    """How many pixels the unit of the mean face is in the frames (n, 68, 2), on the average."""
+    face = MEAN_FACE[RIGID, :2]
+    seen = points[:, RIGID]
+    radius = np.sqrt(((seen - seen.mean(1, keepdims=True)) ** 2).sum(2).mean(1))
+    return float(np.median(radius) / np.sqrt(((face - face.mean(0)) ** 2).sum(1).mean()))
+
+
+def _fit_points(points, model, prior, pose, focal, centre, noise, deviation):
+    """One Gauss-Newton step for every point by itself, towards the frames and the prior.
+
+    Returns the points (68, 3) and the errors (n, 68) in pixels before the step.
+    """
+    matrix = rotation_matrices(pose[0])
+    seen = model @ np.swapaxes(matrix, -1, -2) + pose[1][:, None]
+    residual = points - (focal * seen[..., :2] / seen[..., 2:] + centre)
+    size = np.linalg.norm(residual, axis=-1)
+    robust = np.minimum(1, 3 * noise / np.maximum(size, 1e-9)) / noise**2
+    jacobian = point_jacobian(seen, focal) @ matrix[:, None]
+    normal = np.einsum("tnik,tnij,tn->nkj", jacobian, jacobian, robust) + np.diag(deviation**-2.0)
+    pull = np.einsum("tnik,tni,tn->nk", jacobian, residual, robust) + (prior - model) / deviation**2
+    return model + np.linalg.solve(normal, pull[..., None])[..., 0], size
+
+
+def _upright(model, prior, pose):
+    """Turn and move head coordinates so that the rigid points lie as the mean face's do; the images stay the same."""
+    to = model[RIGID].mean(0)
+    goal = prior[RIGID].mean(0)
+    left, _, right = np.linalg.svd((model[RIGID] - to).T @ (prior[RIGID] - goal))
+    flip = np.diag([1, 1, np.sign(np.linalg.det(left @ right))])
+    turn = (left @ flip @ right).T  # new = turn (old - to) + goal
+    moved = (model - to) @ turn.T + goal
+    from visualspeech.face.camera import rotation_vectors
+
+    matrix = rotation_matrices(pose[0])
+    new_matrix = matrix @ turn.T
+    new_translation = pose[1] + matrix @ to - new_matrix @ goal
+    return moved, (rotation_vectors(new_matrix), new_translation)

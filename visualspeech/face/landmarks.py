@@ -1,0 +1,176 @@
+"""Landmarks: the 68 iBUG points of the speaker's face in every frame of a recording.
+
+The tracker is replaceable: anything that satisfies :class:`Tracker` can be registered in :data:`TRACKERS`. The default
+one is dlib's regression-tree predictor (Kazemi & Sullivan, CVPR 2014), fed with a crop that follows the face.
+
+Licence of the default tracker's model: the 68-point model file of ``face-recognition-models`` was trained on the iBUG
+300-W pictures, whose licence excludes commercial use. Ask Imperial College London before you use it in a product, or
+register a tracker of your own.
+"""
+
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+
+from visualspeech.errors import RejectedUtterance, SettingError
+
+POINTS = 68
+# Points that the skull carries: bridge and base of the nose, corners of the eyes.
+RIGID = np.array([27, 28, 29, 30, 31, 32, 33, 34, 35, 36, 39, 42, 45])
+
+
+@dataclass(frozen=True)
+class LandmarkSettings:
+    """How faces are found and followed.
+
+    Parameters
+    ----------
+    tracker : name in :data:`TRACKERS`
+    face_pixels : side in pixels to which the face box is brought before points are predicted; points come in whole
+        pixels of this picture, so a larger side means finer points (500 is 4x upsampling on GRID)
+    predictions : predictions a frame, each on a slightly different crop, averaged
+    detector_pixels : longest side in pixels of the picture in which a face is searched for
+    search_every : frames between two searches of the whole frame
+    likeness : correlation with the last confirmed face below which the detector is asked again (0..1)
+    smoothing : standard deviation in frames of the Gaussian that smooths the points in time; 0 for none
+    missing_share : share of frames without a face beyond which an utterance is rejected
+    missing_run : seconds without a face beyond which an utterance is rejected
+    """
+
+    tracker: str = "dlib"
+    face_pixels: int = 500
+    predictions: int = 1
+    detector_pixels: int = 640
+    search_every: int = 25
+    likeness: float = 0.8
+    smoothing: float = 0.4
+    missing_share: float = 0.2
+    missing_run: float = 0.4
+
+
+@dataclass(frozen=True)
+class Landmarks:
+    """Points of one utterance.
+
+    Parameters
+    ----------
+    points : (T, 68, 2) float32, image pixels (x right, y down), iBUG order; interpolated where no face was found
+    detected : (T,) bool, False where the points are interpolated
+    width, height : size of the frames in pixels
+    findings : sentences about what was odd but could be lived with
+    """
+
+    points: np.ndarray
+    detected: np.ndarray
+    width: int
+    height: int
+    findings: tuple[str, ...] = ()
+
+
+class Tracker(Protocol):
+    """Follows one face through the frames of one recording; a fresh tracker is made for every recording."""
+
+    def next(self, frame: np.ndarray) -> np.ndarray | None:
+        """The points (68, 2) in the next frame, (height, width, 3) uint8 RGB, in pixels; None where there is no face."""
+
+    def faces(self) -> int:
+        """The largest number of faces that a frame has held so far."""
+
+
+def track(frames: Iterable[np.ndarray], settings: LandmarkSettings | None = None, rate: float = 25.0) -> Landmarks:
+    """Follow the face through a recording. Frames are taken one at a time, so memory does not grow with their size.
+
+    Parameters
+    ----------
+    frames : RGB frames (height, width, 3) uint8, all of one size
+    settings : how
+    rate : frame rate in Hz, for the length of gaps
+
+    Raises
+    ------
+    RejectedUtterance
+        There are no frames, their size changes, there is no face, or it is missing in too many frames.
+    SettingError
+        There is no tracker of that name.
+    """
+    settings = settings or LandmarkSettings()
+    if settings.tracker not in TRACKERS:
+        raise SettingError(f"landmarks.tracker: there is no {settings.tracker!r}; choose one of {sorted(TRACKERS)}.")
+    tracker = TRACKERS[settings.tracker](settings)
+    found, size = [], None
+    for frame in frames:
+        if size is not None and frame.shape[:2] != size:
+            raise RejectedUtterance("the picture changes its size", "Convert the video to one picture size.")
+        size = frame.shape[:2]
+        found.append(tracker.next(frame))
+    if size is None:
+        raise RejectedUtterance("no video frames", "Copy or record the file again; the video stream is empty.")
+    detected = np.array([points is not None for points in found])
+    check_coverage(detected, rate, settings)
+    points = fill_gaps(np.stack([np.full((POINTS, 2), np.nan) if p is None else p for p in found]), detected)
+    findings = []
+    if tracker.faces() > 1:
+        findings.append(f"{tracker.faces()} faces in one frame; the largest was followed")
+    if not detected.all():
+        findings.append(f"no face in {(~detected).sum()} of {len(detected)} frames; their points are interpolated")
+    return Landmarks(
+        points=smooth(points, settings.smoothing).astype(np.float32),
+        detected=detected,
+        width=size[1],
+        height=size[0],
+        findings=tuple(findings),
+    )
+
+
+def check_coverage(detected: np.ndarray, rate: float, settings: LandmarkSettings) -> None:
+    """Reject an utterance whose face is missing for too long: ``detected`` (T,) bool at ``rate`` Hz.
+
+    Raises
+    ------
+    RejectedUtterance
+        No face at all, too large a share of frames, or too long a run of frames without one.
+    """
+    remedy = "Light and frame the face so that both eyes, nose and mouth are seen throughout; or leave this file out."
+    missing = int((~detected).sum())
+    if missing == len(detected):
+        raise RejectedUtterance("no face in any frame", remedy)
+    if missing > settings.missing_share * len(detected):
+        raise RejectedUtterance(f"no face in {missing} of {len(detected)} frames", remedy)
+    longest = longest_run(~detected)
+    if longest > settings.missing_run * rate:
+        raise RejectedUtterance(f"no face for {longest / rate:.2f} s on end", remedy)
+
+
+def longest_run(flags: np.ndarray) -> int:
+    """Length of the longest run of True in ``flags`` (T,)."""
+    edges = np.diff(np.concatenate([[0], flags.astype(int), [0]]))
+    starts, ends = np.flatnonzero(edges == 1), np.flatnonzero(edges == -1)
+    return int((ends - starts).max(initial=0))
+
+
+def fill_gaps(points: np.ndarray, detected: np.ndarray) -> np.ndarray:
+    """Points (T, n, 2) with those of undetected frames interpolated linearly in time, held at the ends."""
+    times = np.arange(len(points))
+    flat = points.reshape(len(points), -1)
+    filled = np.stack([np.interp(times, times[detected], column[detected]) for column in flat.T], axis=1)
+    return filled.reshape(points.shape)
+
+
+def smooth(points: np.ndarray, deviation: float) -> np.ndarray:
+    """Points (T, n, 2) after a Gaussian of ``deviation`` frames along time (0: unchanged), ends mirrored."""
+    if deviation <= 0:
+        return points
+    from scipy.ndimage import gaussian_filter1d
+
+    return gaussian_filter1d(points, deviation, axis=0, mode="nearest", truncate=4.0)
+
+
+def _dlib_tracker(settings: LandmarkSettings) -> Tracker:
+    from visualspeech.face.dlib_tracker import DlibTracker
+
+    return DlibTracker(settings)
+
+
+TRACKERS: dict[str, Callable[[LandmarkSettings], Tracker]] = {"dlib": _dlib_tracker}

@@ -1,0 +1,126 @@
+"""Head pose, and the way between the recorded picture and the frontal, aligned face.
+
+The pose of every frame is the rotation and translation under which the speaker's 3-D head explains his rigid landmarks
+(perspective-n-point), smoothed in time. A landmark then becomes frontal like this: its viewing ray is cut with the
+plane of its depth in head coordinates, and the place across that plane is its place in the frontal picture. That undoes
+turning, nodding, leaning and perspective of the head, keeps what the mouth and jaw do, and is undone exactly by
+projecting the place with its depth back into the picture.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from visualspeech.errors import DataError
+from visualspeech.face.camera import project, rotation_matrices, solve_pose, solve_translation
+from visualspeech.face.head import HeadModel, PoseSettings, fit_head
+
+__all__ = ["HeadModel", "Pose", "PoseSettings", "estimate", "fit_head", "rigid_error", "to_frontal", "to_image"]
+
+
+@dataclass(frozen=True)
+class Pose:
+    """Where the head is in each of T frames.
+
+    Parameters
+    ----------
+    rotation : (T, 3) Rodrigues vectors in radians
+    translation : (T, 3) in units of the head (see :class:`HeadModel`)
+    """
+
+    rotation: np.ndarray
+    translation: np.ndarray
+
+    def __len__(self) -> int:
+        return len(self.rotation)
+
+    def __getitem__(self, frames) -> "Pose":
+        """The poses of some frames (an index keeps the time axis)."""
+        frames = slice(frames, frames + 1 or None) if isinstance(frames, int) else frames
+        return Pose(self.rotation[frames], self.translation[frames])
+
+
+def estimate(points: np.ndarray, head: HeadModel, settings: PoseSettings | None = None) -> Pose:
+    """The head's pose in every frame of one utterance.
+
+    Rotation and distance come from all rigid points and are smoothed most, for their noise is largest and heads turn
+    slowly; with these given, the place across the picture is found again and smoothed less.
+
+    Parameters
+    ----------
+    points : (T, 68, 2) landmarks in image pixels
+    settings : the smoothing; by default that with which the head was fitted
+    """
+    settings = settings or head.settings
+    if points.ndim != 3 or points.shape[1] <= head.rigid.max():
+        raise DataError(f"a pose is estimated from landmarks (T, 68, 2), not {points.shape}.")
+    seen = np.asarray(points, float)[:, head.rigid]
+    model = head.points3d[head.rigid]
+    rotation, translation = solve_pose(seen, model, head.focal, head.centre, head.weights)
+    rotation = _smooth(rotation, settings.rotation_smoothing)
+    # Distance is smoothed as its logarithm, which is scale: halves and doubles are alike.
+    origin = model.mean(0)
+    turned = (rotation_matrices(rotation) @ origin)[:, 2]
+    depth = np.exp(_smooth(np.log(translation[:, 2] + turned), settings.rotation_smoothing)) - turned
+    translation = solve_translation(seen, model, rotation, depth, head.focal, head.centre, head.weights)
+    middle = (rotation_matrices(rotation) @ origin + translation)
+    beside = _smooth(middle[:, :2] / middle[:, 2:], settings.place_smoothing)
+    shift = beside * middle[:, 2:] - middle[:, :2]
+    return Pose(rotation, translation + np.column_stack([shift, np.zeros(len(shift))]))
+
+
+def to_frontal(points: np.ndarray, pose: Pose, head: HeadModel, model: np.ndarray | None = None) -> np.ndarray:
+    """Image points as they would lie in the frontal, aligned face.
+
+    Parameters
+    ----------
+    points : (T, n, 2) image pixels
+    pose : of these T frames
+    model : (n, 3) the points in head coordinates, of which only the depth is used; or (n,) depths; by default those
+        of the 68 landmarks. Points that are linear combinations of landmarks take the same combinations of
+        ``head.points3d``.
+
+    Returns
+    -------
+    (T, n, 2) pixels of the normalised face
+    """
+    depth = _depths(head, model, points.shape[1])
+    matrix = rotation_matrices(pose.rotation)
+    rays = np.concatenate([(points - head.centre) / head.focal, np.ones((*points.shape[:2], 1))], axis=-1)
+    # In head coordinates a ray point is R' (s ray - t); s is where its z is the depth.
+    rays = rays @ matrix
+    start = np.einsum("tji,tj->ti", matrix, pose.translation)[:, None]
+    stretch = (depth + start[..., 2]) / rays[..., 2]
+    return stretch[..., None] * rays[..., :2] - start[..., :2] + head.offset
+
+
+def to_image(points: np.ndarray, pose: Pose, head: HeadModel, model: np.ndarray | None = None) -> np.ndarray:
+    """Frontal points (T, n, 2) put back into the recorded picture: the exact inverse of :func:`to_frontal`."""
+    depth = np.broadcast_to(_depths(head, model, points.shape[1]), points.shape[:2])
+    model3d = np.concatenate([points - head.offset, depth[..., None]], axis=-1)
+    return project(model3d, pose.rotation, pose.translation, head.focal, head.centre)
+
+
+def rigid_error(frontal: np.ndarray, head: HeadModel) -> float:
+    """How far the rigid points still move in the frontal face: RMS distance in pixels to their own means in time.
+
+    Parameters
+    ----------
+    frontal : (T, 68, 2) landmarks in the normalised face
+    """
+    rigid = frontal[:, head.rigid]
+    return float(np.sqrt(((rigid - rigid.mean(0)) ** 2).sum(2).mean()))
+
+
+def _depths(head: HeadModel, model: np.ndarray | None, count: int) -> np.ndarray:
+    model = head.points3d if model is None else np.asarray(model, float)
+    depth = model[:, 2] if model.ndim == 2 else model
+    if len(depth) != count:
+        raise DataError(f"{count} points per frame, but depths for {len(depth)}; pass the model of these points.")
+    return depth
+
+
+def _smooth(values: np.ndarray, deviation: float) -> np.ndarray:
+    from visualspeech.face.landmarks import smooth
+
+    return smooth(values, deviation)
