@@ -1,0 +1,94 @@
+"""One way into every corpus: its settings in, a list of utterances out."""
+
+import re
+from collections.abc import Mapping
+from hashlib import sha256
+
+from visualspeech.corpora.records import Utterance
+from visualspeech.errors import CorpusError, SettingError
+
+LEGAL_ID = re.compile(r"[A-Za-z0-9_][A-Za-z0-9_.-]*")
+SPLITS = ("train", "validation", "test")
+
+
+def _folder(corpus: Mapping) -> list[Utterance]:
+    from visualspeech.corpora.folder import utterances
+
+    return utterances(corpus)
+
+
+def _grid(corpus: Mapping) -> list[Utterance]:
+    from visualspeech.corpora.grid import utterances
+
+    return utterances(corpus)
+
+
+def _demo(corpus: Mapping) -> list[Utterance]:
+    from visualspeech.corpora.demo.listing import utterances
+
+    return utterances(corpus)
+
+
+ADAPTERS = {"folder": _folder, "grid": _grid, "demo": _demo}
+
+
+def list_utterances(corpus: Mapping) -> list[Utterance]:
+    """List the utterances of a corpus, sorted by id; no recording is opened.
+
+    Parameters
+    ----------
+    corpus : settings. ``name`` and ``adapter`` (``folder``, ``grid`` or ``demo``) are needed; ``limit`` keeps that many
+        utterances, chosen by a hash of their ids, to try a corpus out; the rest belongs to the adapter.
+
+    Raises
+    ------
+    SettingError
+        A setting is missing or has a wrong value.
+    CorpusError
+        The recordings are not where they are said to be, or two utterances have one id.
+    """
+    name = corpus.get("adapter")
+    if name not in ADAPTERS:
+        raise SettingError(f"`adapter: {name}` of the corpus is unknown; give one of {', '.join(sorted(ADAPTERS))}.")
+    limit = corpus.get("limit") or 0
+    if isinstance(limit, bool) or not isinstance(limit, int) or limit < 0:
+        raise SettingError(
+            f"`limit: {limit}` of the corpus is no number of utterances; give 1 or more, or leave it out."
+        )
+    utterances = ADAPTERS[name](corpus)
+    _check(utterances)
+    if limit:
+        utterances = sorted(utterances, key=lambda one: sha256(one.id.encode()).digest())[:limit]
+    return sorted(utterances, key=lambda one: one.id)
+
+
+def legal_id(text: str) -> str:
+    """An id made of a file name: characters that an id may not have become underscores."""
+    return re.sub(r"^[-.]", "_", re.sub(r"[^A-Za-z0-9_.-]", "_", text)) or "_"
+
+
+def _check(utterances: list[Utterance]) -> None:
+    seen: dict[str, Utterance] = {}
+    # Where names differ in case only, some file systems take them for one.
+    for one in utterances:
+        if not LEGAL_ID.fullmatch(one.id):
+            raise CorpusError(
+                f"{one.media}: the id {one.id!r} cannot be used. Make it of letters A-Z, digits, '-', '_' and '.', "
+                "beginning with a letter, a digit or '_'."
+            )
+        if one.id.lower() in seen:
+            other = seen[one.id.lower()]
+            raise CorpusError(
+                f"two utterances have one id, {other.id!r} and {one.id!r} (capitals do not count): {_place(other)} and "
+                f"{_place(one)}. Rename one of the files, or give each its own id in the corpus's table."
+            )
+        seen[one.id.lower()] = one
+        if one.split and one.split not in SPLITS:
+            raise CorpusError(
+                f"{one.media}: the split of utterance {one.id} is {one.split!r}; give {', '.join(SPLITS)}, or leave "
+                "the column out to have the corpus split by the workflow."
+            )
+
+
+def _place(one: Utterance) -> str:
+    return f"{one.media} ({one.start:g}-{one.end:g} s)" if one.end or one.start else one.media

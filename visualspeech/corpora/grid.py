@@ -1,0 +1,128 @@
+"""The GRID corpus (Cooke, Barker, Cunningham and Shao, 2006): sentences of six words from a closed list.
+
+Copies of it differ in their folders. All videos and all ``.align`` files below the root are found wherever they are;
+the speaker is the folder named ``s1`` ... ``s34`` on the way to a file.
+"""
+
+import os
+import re
+from collections.abc import Mapping
+from pathlib import Path
+
+from visualspeech.corpora.folder import VIDEOS, existing_folder, find_files
+from visualspeech.corpora.records import Utterance
+from visualspeech.errors import CorpusError
+
+UNITS_PER_SECOND = 25_000  # of the times in an .align file
+SILENCES = frozenset({"sil", "sp"})
+SPOKEN = {"z": "zed"}  # the speakers are British
+_SPEAKER = re.compile(r"s(\d{1,2})(?![\da-z])", re.IGNORECASE)
+_CODE = re.compile(r"[bpls][bgrw][abiw][a-z][1-9z][anps]")
+_WORDS = (
+    {"b": "bin", "l": "lay", "p": "place", "s": "set"},
+    {"b": "blue", "g": "green", "r": "red", "w": "white"},
+    {"a": "at", "b": "by", "i": "in", "w": "with"},
+    {},
+    dict(zip("123456789z", "one two three four five six seven eight nine zero".split(), strict=True)),
+    {"a": "again", "n": "now", "p": "please", "s": "soon"},
+)
+
+
+def utterances(corpus: Mapping) -> list[Utterance]:
+    """List the recordings of one or all speakers of GRID, sorted by id.
+
+    Parameters
+    ----------
+    corpus : settings. ``root`` (where it is empty, the environment variable ``GRID_ROOT``): a folder of GRID.
+        ``speaker`` (optional): such as ``s1``; without it all that are found, their names before the ids if there are
+        several.
+
+    Returns
+    -------
+    Utterances whose transcript comes from the ``.align`` file or, where there is none, from the sentence code that the
+    file name is ("bbaf2n": bin blue at f two now). The letter z is written "zed".
+
+    Raises
+    ------
+    SettingError
+        There is no root, or it leads nowhere.
+    CorpusError
+        There are no recordings, none of the speaker, or an ``.align`` file cannot be read.
+    """
+    root = existing_folder(
+        corpus.get("root") or os.environ.get("GRID_ROOT"), corpus, ", or the environment variable GRID_ROOT to it"
+    )
+    videos = [(speaker_of(path, root), path) for path in find_files(root, VIDEOS)]
+    if not videos:
+        raise CorpusError(
+            f"no recordings in {root.absolute()}. Set `root:` or GRID_ROOT to the folder that holds GRID's videos "
+            "(s1/bbaf2n.mpg and so on); archives must be unpacked first."
+        )
+    wanted = str(corpus.get("speaker") or "")
+    speakers = sorted({speaker for speaker, _ in videos})
+    if wanted and speakers != [""]:
+        videos = [(speaker, path) for speaker, path in videos if speaker == wanted.lower()]
+        if not videos:
+            raise CorpusError(
+                f"no recordings of the speaker {wanted!r} in {root.absolute()}; there are "
+                f"{', '.join(name or 'recordings without a speaker folder' for name in speakers)}. "
+                "Set `speaker:` to one of them."
+            )
+    alone = len({speaker for speaker, _ in videos}) == 1
+    aligned = {(speaker_of(path, root), path.stem.lower()): path for path in find_files(root, frozenset({".align"}))}
+    return [
+        Utterance(
+            id=path.stem if alone else f"{speaker or 'unknown'}-{path.stem}",
+            speaker=speaker or wanted or "grid",
+            media=str(path),
+            transcript=_transcript(path.stem.lower(), speaker, aligned),
+        )
+        for speaker, path in sorted(videos)
+    ]
+
+
+def speaker_of(path: Path, root: Path) -> str:
+    """Name of the speaker by the last folder named after one, the root's own path included; empty without any."""
+    inside = path.relative_to(root).parent.parts
+    for folder in (*reversed(inside), root.absolute().name):
+        match = _SPEAKER.match(folder)
+        if match:
+            return f"s{int(match[1])}"
+    return ""
+
+
+def read_alignment(path: str | Path) -> list[tuple[str, float, float]]:
+    """GRID's own words of a sentence: (word as written, start, end) in seconds, silences included.
+
+    Raises
+    ------
+    CorpusError
+        The file does not hold lines of ``start end word``.
+    """
+    lines = [line.split() for line in Path(path).read_text(encoding="utf-8", errors="replace").splitlines()]
+    try:
+        return [
+            (word, int(start) / UNITS_PER_SECOND, int(end) / UNITS_PER_SECOND)
+            for start, end, word in filter(None, lines)
+        ]
+    except ValueError as error:
+        raise CorpusError(
+            f"{path} is no alignment of GRID (lines of `start end word`). Restore it from the corpus, or remove it: "
+            "the transcript then comes from the recording's name."
+        ) from error
+
+
+def transcript_of_code(code: str) -> str:
+    """The sentence that a GRID file name stands for; empty if it is none."""
+    if not _CODE.fullmatch(code):
+        return ""
+    return " ".join(
+        SPOKEN.get(letter, letter) if not words else words[letter] for words, letter in zip(_WORDS, code, strict=True)
+    )
+
+
+def _transcript(code: str, speaker: str, aligned: Mapping[tuple[str, str], Path]) -> str:
+    path = aligned.get((speaker, code)) or aligned.get(("", code))
+    if path is None:
+        return transcript_of_code(code)
+    return " ".join(SPOKEN.get(word, word) for word, _, _ in read_alignment(path) if word not in SILENCES)

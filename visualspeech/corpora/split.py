@@ -1,0 +1,62 @@
+"""Which utterances models learn from (train), stop by (validation) and are judged on (test)."""
+
+import hashlib
+from collections.abc import Iterable, Sequence
+
+from visualspeech.corpora.records import Utterance
+from visualspeech.errors import CorpusError, SettingError
+
+NAMES = ("train", "validation", "test")
+
+
+def split_utterances(
+    utterances: Iterable[Utterance], fractions: Sequence[float] = (0.8, 0.1, 0.1), seed: int = 0
+) -> dict[str, str]:
+    """Split a corpus by utterance: id -> ``train``, ``validation`` or ``test``, in the order of the ids.
+
+    A corpus that brings its own split keeps it. Else utterances are ordered by a hash of the seed and their id and cut
+    at the fractions, at least one each; so the split does not depend on the order of the corpus, and a corpus that
+    grows changes few assignments.
+
+    Raises
+    ------
+    SettingError
+        The fractions are negative, or their sum is not 1.
+    CorpusError
+        There are fewer than three utterances, or the corpus's own split is incomplete.
+    """
+    utterances = sorted(utterances, key=lambda one: one.id)
+    if any(one.split for one in utterances):
+        return _own(utterances)
+    if len(fractions) != 3 or min(fractions) <= 0 or abs(sum(fractions) - 1) > 1e-6:
+        shown = ", ".join(f"{name} {share:g}" for name, share in zip(NAMES, fractions, strict=False))
+        raise SettingError(f"the shares of `split` are {shown}; give three numbers above 0 whose sum is 1.")
+    if len(utterances) < 3:
+        raise CorpusError(
+            f"the corpus has {len(utterances)} utterances. Give at least three, one each to train on, to stop by and "
+            "to test on; for useful models some hundreds."
+        )
+    count = len(utterances)
+    others = [max(1, round(count * share)) for share in fractions[1:]]
+    while sum(others) > count - 1:  # so few utterances that rounding leaves none to train on
+        others[others.index(max(others))] -= 1
+    borders = (count - sum(others), count - others[1], count)
+    ordered = sorted(utterances, key=lambda one: hashlib.sha256(f"{seed}:{one.id}".encode()).digest())
+    place = {one.id: sum(index >= border for border in borders) for index, one in enumerate(ordered)}
+    return {one.id: NAMES[place[one.id]] for one in utterances}
+
+
+def _own(utterances: list[Utterance]) -> dict[str, str]:
+    without = [one for one in utterances if not one.split]
+    if without:
+        raise CorpusError(
+            f"{without[0].media}: utterance {without[0].id} has no split, while others have one "
+            f"({len(without)} of {len(utterances)} are without). Give each a split, or none."
+        )
+    for name in NAMES:
+        if not any(one.split == name for one in utterances):
+            raise CorpusError(
+                f"the corpus's own split has no utterance in {name!r}. Mark some utterances {name}, or leave the split "
+                "out to have the corpus split by the workflow."
+            )
+    return {one.id: one.split for one in utterances}
