@@ -10,7 +10,7 @@ from dataclasses import asdict, dataclass, fields
 import numpy as np
 
 from visualspeech import storage
-from visualspeech.errors import DataError
+from visualspeech.errors import DataError, StorageError
 from visualspeech.face.camera import point_jacobian, rotation_matrices, solve_pose
 from visualspeech.face.landmarks import POINTS, RIGID
 from visualspeech.face.mean_face import MEAN_FACE
@@ -42,7 +42,7 @@ class PoseSettings:
     depth_deviation: float = 0.06
     place_deviation: float = 0.3
     rotation_smoothing: float = 2.0
-    place_smoothing: float = 1.0
+    place_smoothing: float = 0.5
     margin: float = 0.25
 
 
@@ -99,7 +99,7 @@ class HeadModel:
         """
         tensors, stored = storage.read_model(path)
         if stored.get("kind") != "head":
-            raise storage.StorageError(f"{path} holds no head model. Delete it and run again to make it anew.")
+            raise StorageError(f"{path} holds no head model. Delete it and run again to make it anew.")
         known = {field.name for field in fields(PoseSettings)}
         settings = PoseSettings(**{key: value for key, value in stored["settings"].items() if key in known})
         return cls(**tensors, focal=float(stored["focal"]), size=tuple(stored["size"]), settings=settings)
@@ -135,7 +135,7 @@ def fit_head(points: np.ndarray, image_size: tuple[int, int], settings: PoseSett
     pose = None
     for _ in range(settings.iterations):
         weights = (noise[RIGID].mean() / noise[RIGID]) ** 2
-        pose = solve_pose(points, model[RIGID], focal, centre, weights, start=pose)
+        pose = solve_pose(points[:, RIGID], model[RIGID], focal, centre, weights, start=pose)
         # The scale of head and distance together is free: the mean distance is the focal length.
         stretch = focal / pose[1][:, 2].mean()
         model, pose = model * stretch, (pose[0], pose[1] * stretch)
