@@ -1,0 +1,55 @@
+"""The utterances a model learns from: pairs of label indices and appearance, read from the feature files as needed."""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from visualspeech.errors import DataError
+from visualspeech.storage import ArrayCollection
+
+
+class Examples(Sequence):
+    """A sequence of (labels (T, 4) int16, appearance (T, N) float32), one pair an utterance.
+
+    Utterances are kept in memory up to a bound and read from their file again beyond it, so that memory does not grow
+    with the corpus.
+
+    Parameters
+    ----------
+    features : the feature files, opened
+    ids : the utterances, in the order of the sequence
+    cache_bytes : how much is kept in memory
+    """
+
+    def __init__(self, features: ArrayCollection, ids: Sequence[str], cache_bytes: float = 256e6) -> None:
+        self._features = features
+        self.ids = tuple(ids)
+        self._free = cache_bytes
+        self._kept: dict[int, tuple[np.ndarray, np.ndarray]] = {}
+
+    def __len__(self) -> int:
+        return len(self.ids)
+
+    def __getitem__(self, number: int) -> tuple[np.ndarray, np.ndarray]:
+        """One utterance.
+
+        Raises
+        ------
+        DataError
+            Labels and appearance are of different length.
+        """
+        if number in self._kept:
+            return self._kept[number]
+        name = self.ids[number]
+        labels = self._features.array(name, "labels")
+        appearance = self._features.array(name, "appearance")
+        if len(labels) != len(appearance):
+            raise DataError(
+                f"utterance {name} has {len(labels)} label frames and {len(appearance)} appearance frames; "
+                "delete its features and run again."
+            )
+        size = labels.nbytes + appearance.nbytes
+        if size <= self._free:
+            self._free -= size
+            self._kept[number] = (labels, appearance)
+        return labels, appearance

@@ -1,0 +1,66 @@
+"""Streams of values brought to another frame rate, on the time grid of :mod:`visualspeech.timing`."""
+
+import numpy as np
+
+from visualspeech.errors import DataError
+from visualspeech.timing import frame_times, frames_in
+
+
+def resample(values: np.ndarray, rate_in: float, rate_out: float, frames: int | None = None) -> np.ndarray:
+    """Values of a stream at another frame rate.
+
+    Frame i stands for the time (i + 0.5) / rate; between frame centres the stream is taken as linear, before the first
+    and after the last as constant. A higher rate reads that line at the new frame centres. A lower rate takes the
+    line's exact mean over each new frame, which keeps what changes faster than the new rate from folding back.
+
+    Parameters
+    ----------
+    values : (T, ...) frames at ``rate_in`` Hz
+    rate_in, rate_out : Hz
+    frames : number of frames to return; default: those whose time lies inside T / rate_in seconds, at least one
+
+    Returns
+    -------
+    (frames, ...) of the dtype of ``values`` (float64 where they are no floats); a copy of ``values`` where nothing
+    changes.
+
+    Raises
+    ------
+    DataError
+        There is no frame, or a rate is not positive.
+    """
+    values = np.asarray(values)
+    if not len(values) or not (rate_in > 0 and rate_out > 0):
+        raise DataError(f"cannot resample {len(values)} frames from {rate_in} to {rate_out} Hz; both must be positive.")
+    if frames is None:
+        frames = max(frames_in(len(values) / rate_in, rate_out), 1)
+    if rate_in == rate_out and frames == len(values):
+        return values.copy()
+    kind = values.dtype if np.issubdtype(values.dtype, np.floating) else np.float64
+    flat = values.reshape(len(values), -1).astype(np.float64)
+    centres = frame_times(frames, rate_out)
+    if rate_out >= rate_in:
+        result = _line(flat, rate_in, centres)
+    else:
+        edges = np.arange(frames + 1) / rate_out
+        result = np.diff(_integral(flat, rate_in, edges), axis=0) * rate_out
+    return result.reshape(frames, *values.shape[1:]).astype(kind)
+
+
+def _line(values: np.ndarray, rate: float, times: np.ndarray) -> np.ndarray:
+    place = np.clip(times * rate - 0.5, 0, len(values) - 1)
+    below = np.minimum(place.astype(int), max(len(values) - 2, 0))
+    share = (place - below)[:, None]
+    return values[below] * (1 - share) + values[np.minimum(below + 1, len(values) - 1)] * share
+
+
+def _integral(values: np.ndarray, rate: float, times: np.ndarray) -> np.ndarray:
+    """Integral of the line from 0 to each time: trapezia between frame centres, constant pieces at both ends."""
+    knots = np.r_[0.0, frame_times(len(values), rate)]
+    heights = np.concatenate([values[:1], values])
+    areas = np.diff(knots)[:, None] * (heights[1:] + heights[:-1]) / 2
+    total = np.concatenate([np.zeros_like(values[:1]), np.cumsum(areas, axis=0)])
+    piece = np.clip(np.searchsorted(knots, times, side="right") - 1, 0, len(knots) - 1)
+    rest = (times - knots[piece])[:, None]
+    # Past the last knot the line is constant, so the mean height of the piece is that of its start.
+    return total[piece] + rest * (heights[piece] + _line(values, rate, times)) / 2

@@ -1,0 +1,94 @@
+"""Stacks of feed-forward (F) and bidirectional LSTM (B) layers, named by their letters: FBB, BFF, ... (Fan 2015, 4)."""
+
+import re
+from dataclasses import dataclass
+
+import torch
+from torch import nn
+from torch.nn.utils.rnn import PackedSequence, pack_padded_sequence, pad_packed_sequence
+
+from visualspeech.errors import SettingError
+
+
+@dataclass(frozen=True)
+class StackSettings:
+    """Hidden layers of a network.
+
+    Parameters
+    ----------
+    letters : one letter a hidden layer, from the input up: F feed-forward (tanh), B bidirectional LSTM
+    nodes : width of a layer: nodes of F, nodes a direction of B
+    """
+
+    letters: str = "FBB"
+    nodes: int = 128
+
+    def __post_init__(self) -> None:
+        if not re.fullmatch("[FB]+", str(self.letters)):
+            raise SettingError(
+                f"`networks.stacks: {self.letters}`: a stack is named by the letters F (feed-forward) and B (BLSTM), "
+                "one a hidden layer from the input up, for example FBB."
+            )
+        if not isinstance(self.nodes, int) or isinstance(self.nodes, bool) or self.nodes < 1:
+            raise SettingError(f"`networks.nodes: {self.nodes}` must be a whole number of at least 1, for example 128.")
+
+    @property
+    def name(self) -> str:
+        return f"{self.letters}-{self.nodes}"
+
+
+def parse_stack(name: str) -> StackSettings:
+    """Settings of a stack from its name: ``FBB-128``.
+
+    Raises
+    ------
+    SettingError
+        The name has no such form.
+    """
+    match = re.fullmatch(r"([A-Za-z]+)-(\d+)", name)
+    if not match:
+        raise SettingError(f"the model {name!r} is not of the form LETTERS-NODES, for example FBB-128.")
+    return StackSettings(match[1], int(match[2]))
+
+
+class Stack(nn.Module):
+    """A stack over label indices, with a linear output layer (Fan 2015, Fig. 3 and Eq. 12).
+
+    Utterances of one batch (N of them, T = the longest) may have different lengths: padded frames reach neither
+    direction of a BLSTM layer, and the output there is zero.
+    """
+
+    def __init__(self, settings: StackSettings, phones: int, outputs: int, dropout: float = 0.0) -> None:
+        super().__init__()
+        self.phones = phones
+        self.letters = settings.letters
+        self.dropout = nn.Dropout(dropout)
+        self.layers = nn.ModuleList()
+        width = 3 * phones + 3
+        for letter in settings.letters:
+            if letter == "F":
+                self.layers.append(nn.Linear(width, settings.nodes))
+                width = settings.nodes
+            else:
+                self.layers.append(nn.LSTM(width, settings.nodes, batch_first=True, bidirectional=True))
+                width = 2 * settings.nodes
+        self.output = nn.Linear(width, outputs)
+
+    def forward(self, labels: torch.Tensor, lengths: torch.Tensor) -> torch.Tensor:
+        """Labels (N, T, 4) int64 and lengths (N,) int64, descending, to outputs (N, T, outputs)."""
+        packed = pack_padded_sequence(labels, lengths, batch_first=True)
+        # From here on only real frames exist: (frames of the batch, features), in the packed order.
+        frames = self.encode(packed.data)
+        for letter, layer in zip(self.letters, self.layers, strict=True):
+            if letter == "F":
+                frames = torch.tanh(layer(frames))
+            else:
+                frames = layer(PackedSequence(frames, packed.batch_sizes))[0].data
+            frames = self.dropout(frames)
+        values = PackedSequence(self.output(frames), packed.batch_sizes)
+        return pad_packed_sequence(values, batch_first=True, total_length=labels.shape[1])[0]
+
+    def encode(self, labels: torch.Tensor) -> torch.Tensor:
+        """The 3K + 3 one-hot vectors (3.1) of label indices: (frames, 4) to (frames, 3K + 3)."""
+        ones = torch.zeros(len(labels), 3 * self.phones + 3, dtype=self.output.weight.dtype)
+        return ones.scatter_(1, labels + torch.arange(4) * self.phones, 1.0)

@@ -1,0 +1,135 @@
+"""A trained network: what prediction needs and nothing else, in one safetensors file."""
+
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import asdict, dataclass, field
+from functools import cached_property
+from pathlib import Path
+
+import numpy as np
+import torch
+
+from visualspeech.errors import DataError
+from visualspeech.models.blstm import Stack, StackSettings
+from visualspeech.storage import read_model, write_model
+
+
+@contextmanager
+def one_thread() -> Iterator[None]:
+    """Let torch compute on one thread: small networks run faster so, and sums do not depend on the machine's cores."""
+    before = torch.get_num_threads()
+    torch.set_num_threads(1)
+    try:
+        yield
+    finally:
+        torch.set_num_threads(before)
+
+
+@dataclass(frozen=True)
+class Network:
+    """A network from label indices to appearance parameters.
+
+    Parameters
+    ----------
+    stack : hidden layers
+    phones : inventory that the label indices refer to, K entries
+    weights : arrays by name, of :class:`visualspeech.models.blstm.Stack`
+    mean : (N,) appearance that an output of zero stands for
+    scale : how much appearance an output of one stands for
+    rate : frame rate of labels and appearance in Hz
+    aam : digest of the appearance model whose parameters are predicted
+    about : how it was trained (settings, epochs, digests), for people
+    """
+
+    stack: StackSettings
+    phones: tuple[str, ...]
+    weights: Mapping[str, np.ndarray]
+    mean: np.ndarray
+    scale: float
+    rate: float
+    aam: str = ""
+    about: Mapping = field(default_factory=dict)
+
+    @property
+    def outputs(self) -> int:
+        """Dimension N of the appearance."""
+        return len(self.mean)
+
+    @cached_property
+    def _module(self) -> Stack:
+        module = Stack(self.stack, len(self.phones), self.outputs)
+        module.load_state_dict({name: torch.tensor(values) for name, values in self.weights.items()})
+        return module.eval()
+
+    def predict(self, labels: np.ndarray) -> np.ndarray:
+        """Appearance (T, N) float32 of one utterance's labels (T, 4) (left, current, right phone index, state).
+
+        Raises
+        ------
+        DataError
+            There is no frame, or an index is outside the inventory.
+        """
+        check_labels(labels, len(self.phones))
+        with one_thread(), torch.inference_mode():
+            indices = torch.tensor(np.asarray(labels, np.int64))[None]
+            values = self._module(indices, torch.tensor([len(labels)]))[0].numpy()
+        return (values * np.float32(self.scale) + self.mean).astype(np.float32)
+
+    def save(self, path: str | Path) -> None:
+        """Write it as one safetensors file."""
+        tensors = {f"weights.{name}": values for name, values in self.weights.items()}
+        settings = {
+            "kind": "network",
+            "stack": asdict(self.stack),
+            "phones": list(self.phones),
+            "outputs": self.outputs,
+            "scale": float(self.scale),
+            "rate": float(self.rate),
+            "aam": self.aam,
+            "about": dict(self.about),
+        }
+        write_model(path, {**tensors, "mean": self.mean}, settings)
+
+    @staticmethod
+    def load(path: str | Path) -> "Network":
+        """Read what :meth:`save` wrote.
+
+        Raises
+        ------
+        StorageError
+            The file is missing or no model.
+        DataError
+            It is another kind of model.
+        """
+        tensors, settings = read_model(path)
+        if settings.get("kind") != "network":
+            raise DataError(f"{path} is no network. Give a network.safetensors that a run has written.")
+        weights = {name.removeprefix("weights."): values for name, values in tensors.items() if name != "mean"}
+        return Network(
+            stack=StackSettings(**settings["stack"]),
+            phones=tuple(settings["phones"]),
+            weights=weights,
+            mean=tensors["mean"],
+            scale=settings["scale"],
+            rate=settings["rate"],
+            aam=settings["aam"],
+            about=settings["about"],
+        )
+
+
+def check_labels(labels: np.ndarray, phones: int) -> None:
+    """Whether labels are (T, 4) indices inside an inventory of ``phones`` phones, with at least one frame.
+
+    Raises
+    ------
+    DataError
+        They are not.
+    """
+    labels = np.asarray(labels)
+    if labels.ndim != 2 or labels.shape[1] != 4 or not len(labels):
+        raise DataError(f"labels must be frames of four indices, not an array of shape {labels.shape}.")
+    if labels.min() < 0 or labels[:, :3].max() >= phones or labels[:, 3].max() >= 3:
+        raise DataError(
+            f"labels name phones or states that the inventory of {phones} phones does not have; the features were made "
+            "for another model. Delete the features and run again."
+        )
