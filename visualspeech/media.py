@@ -300,16 +300,18 @@ def _pieces(frames: Iterable, rate: int, origin: float) -> Iterator[tuple[float,
         ):
             if resampler is not None:
                 yield begin, _joined(chunks, resampler)
-            resampler, chunks, begin = av.AudioResampler(format="flt", layout="mono", rate=rate), [], time
+            # Channels are averaged here: the resampler's own mixing to mono can exceed full scale.
+            resampler, chunks, begin = av.AudioResampler(format="fltp", layout=frame.layout, rate=rate), [], time
             due, kind = time, (frame.format.name, frame.layout.name, frame.rate)
         due += frame.samples / frame.rate
-        chunks.extend(out.to_ndarray()[0] for out in resampler.resample(frame))
+        chunks.extend(out.to_ndarray().mean(axis=0) for out in resampler.resample(frame))
     if resampler is not None:
         yield begin, _joined(chunks, resampler)
 
 
 def _joined(chunks: list[np.ndarray], resampler) -> np.ndarray:
-    return np.concatenate([*chunks, *(out.to_ndarray()[0] for out in resampler.resample(None))])
+    last = [out.to_ndarray().mean(axis=0) for out in resampler.resample(None)]
+    return np.concatenate([*chunks, *last]) if chunks or last else np.zeros(0, np.float32)
 
 
 def _laid_out(pieces: Iterable[tuple[float, np.ndarray]], rate: int, length: int) -> np.ndarray | None:
