@@ -1,0 +1,254 @@
+"""Pictures of learning curves, trajectories and appearance modes, as the bytes of PNG files.
+
+The same input gives the same bytes: the style is fixed here, whatever a user's matplotlib is set to, and the files
+carry no date or version.
+"""
+
+import io
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
+
+import numpy as np
+
+from visualspeech.errors import DataError
+
+#: Okabe and Ito's colours, told apart by colour-blind readers too.
+COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#7f7f7f", "#000000")
+TRUTH = "#1a1a1a"
+STYLE = {
+    "figure.dpi": 110,
+    "savefig.dpi": 110,
+    "figure.facecolor": "white",
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "axes.edgecolor": "#888888",
+    "axes.titlesize": 11,
+    "figure.titlesize": 11,
+    "axes.titlelocation": "left",
+    "axes.labelsize": 10,
+    "axes.grid": True,
+    "axes.grid.axis": "y",
+    "grid.color": "#e4e4e4",
+    "grid.linewidth": 0.8,
+    "font.family": ["DejaVu Sans"],
+    "font.size": 9,
+    "legend.frameon": False,
+    "lines.linewidth": 1.6,
+    "lines.solid_capstyle": "round",
+    # A "$" in a name that a stranger chose is a dollar sign, not a formula.
+    "text.parse_math": False,
+    "text.usetex": False,
+}
+
+
+@contextmanager
+def _style() -> Iterator[None]:
+    import matplotlib
+
+    with matplotlib.rc_context():
+        matplotlib.rcdefaults()
+        matplotlib.rcParams.update(STYLE)
+        yield
+
+
+def _figure(width: float, height: float):
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=(width, height), layout="constrained")
+    FigureCanvasAgg(figure)
+    return figure
+
+
+def _png(figure) -> bytes:
+    buffer = io.BytesIO()
+    figure.savefig(buffer, format="png", metadata={"Software": None})
+    return buffer.getvalue()
+
+
+def learning_curves(curves: Mapping[str, object]) -> bytes:
+    """Training (dashed) and validation error of each network over the epochs, the best epoch marked.
+
+    Up to six networks share one panel; more are drawn in one panel a stack (the part of the name before ``-``).
+
+    Parameters
+    ----------
+    curves : name of a network -> table with columns ``epoch``, ``train``, ``validation``
+
+    Returns
+    -------
+    bytes
+        a PNG
+    """
+    groups: dict[str, list[str]] = {}
+    for name in curves:
+        groups.setdefault(str(name).partition("-")[0] if len(curves) > 6 else "", []).append(name)
+    across = min(4, max(1, len(groups)))
+    down = -(-max(1, len(groups)) // across)
+    with _style():
+        figure = _figure(9.5 if across == 1 else 11, 3.6 if down == 1 else 0.6 + 2.1 * down)
+        panels = figure.subplots(down, across, sharex=True, sharey=True, squeeze=False)
+        for axes in panels.flat[len(groups) :]:
+            axes.set_visible(False)
+        for (group, names), axes in zip(groups.items(), panels.flat, strict=False):
+            for place, name in enumerate(names):
+                _curve(axes, curves[name], COLOURS[place % len(COLOURS)], str(name))
+            axes.set_title(group)
+            axes.xaxis.get_major_locator().set_params(integer=True)
+            if across > 1:
+                axes.legend(loc="upper right", fontsize=7, handlelength=1.2)
+        errors = [np.asarray(curve[part], float) for curve in curves.values() for part in ("train", "validation")]
+        finite = np.concatenate([np.zeros(0), *errors])
+        finite = finite[np.isfinite(finite)]
+        if len(finite) and 0 < finite.min() < finite.max() / 20:
+            panels[0, 0].set_yscale("log")
+        figure.supxlabel("epoch", fontsize=10)
+        figure.supylabel("error", fontsize=10)
+        figure.suptitle("Validation error (solid), training error (dashed), best epoch (dot)", x=0.01, ha="left")
+        if across == 1 and curves:
+            figure.legend(loc="outside right upper")
+        return _png(figure)
+
+
+def _curve(axes, curve, colour: str, name: str) -> None:
+    epochs = np.asarray(curve["epoch"])
+    train, validation = np.asarray(curve["train"], float), np.asarray(curve["validation"], float)
+    axes.plot(epochs, train, color=colour, linestyle="--", linewidth=1.1, alpha=0.75)
+    axes.plot(epochs, validation, color=colour, label=name)
+    if np.isfinite(validation).any():
+        best = int(np.nanargmin(validation))
+        axes.plot(epochs[best], validation[best], "o", color=colour, markersize=5)
+
+
+def trajectories(
+    true: np.ndarray,
+    predicted: Mapping[str, np.ndarray],
+    rate: float,
+    phones: Sequence[tuple[str, float, float]] = (),
+    count: int = 3,
+    name: str = "v",
+    title: str = "",
+) -> bytes:
+    """Predicted and true parameters of one utterance over time, the phones along the time axis.
+
+    Parameters
+    ----------
+    true : shape (T, N); the first ``count`` columns are drawn, one panel each
+    predicted : name of a model -> shape (T, N)
+    rate : frames a second
+    phones : (label, start, end) in seconds
+    count : number of parameters
+    name : letter of the parameters in the panels' titles (v: Eq. 6 of Fan et al. 2015)
+    title : above the first panel
+
+    Returns
+    -------
+    bytes
+        a PNG
+
+    Raises
+    ------
+    DataError
+        A prediction's shape is not that of the truth.
+    """
+    from visualspeech.timing import frame_times
+
+    true = np.asarray(true)
+    for model, values in predicted.items():
+        if np.shape(values) != true.shape:
+            raise DataError(f"{model} predicts {np.shape(values)}, the truth is {true.shape}.")
+    count = min(count, true.shape[1])
+    times = frame_times(len(true), rate)
+    end = len(true) / rate
+    with _style():
+        figure = _figure(10.5, 1.55 * count + 1.0)
+        panels = figure.subplots(count, 1, sharex=True, squeeze=False)[:, 0]
+        for column, axes in enumerate(panels):
+            # The grid of this picture is the borders of the phones.
+            axes.grid(False)
+            for place, (label, start, stop) in enumerate(phones):
+                shade = "#f4f4f2" if label == "sil" else ("#e6edf5", "#f6f9fc")[place % 2]
+                axes.axvspan(start, stop, color=shade, linewidth=0, zorder=0)
+            axes.plot(times, true[:, column], color=TRUTH, linewidth=1.9, label="recorded", zorder=2)
+            for place, (model, values) in enumerate(predicted.items()):
+                colour = COLOURS[(place + 1) % len(COLOURS)]
+                axes.plot(times, np.asarray(values)[:, column], color=colour, label=str(model), zorder=3)
+            axes.set_ylabel(f"{name}{column + 1}", rotation=0, ha="right", va="center")
+            axes.margins(y=0.08)
+        panels[0].set_title(title if len(title) <= 100 else title[:99] + "…")
+        panels[0].set_xlim(0, end)
+        panels[-1].set_xlabel("seconds")
+        _phone_labels(panels[-1], phones, end)
+        handles, labels = panels[0].get_legend_handles_labels()
+        figure.legend(handles, labels, loc="outside upper right", ncols=min(5, len(labels)))
+        return _png(figure)
+
+
+def _phone_labels(axes, phones: Sequence[tuple[str, float, float]], end: float) -> None:
+    """Write the phones under the last panel, in two rows in turn so that short ones do not run into each other."""
+    if not phones:
+        return
+    axes.tick_params(axis="x", pad=26)
+    size = float(np.clip(9 - 0.04 * len(phones), 5, 8.5))
+    for place, (label, start, stop) in enumerate(phones):
+        if start < end:
+            axes.annotate(
+                str(label),
+                ((start + min(stop, end)) / 2, 0),
+                xycoords=("data", "axes fraction"),
+                xytext=(0, -5 - 11 * (place % 2)),
+                textcoords="offset points",
+                ha="center",
+                va="top",
+                fontsize=size,
+                color="#444444",
+                annotation_clip=False,
+            )
+
+
+def mode_pictures(
+    pictures: np.ndarray, rows: Sequence[str] | None = None, columns: Sequence[str] | None = None
+) -> bytes:
+    """Rendered faces in a grid: one row a mode, one column a step along it.
+
+    Parameters
+    ----------
+    pictures : (modes, steps, H, W, 3) uint8 RGB
+    rows, columns : captions; by default ``v1``, ``v2``, ... and the steps from -3 to 3 standard deviations
+
+    Returns
+    -------
+    bytes
+        a PNG
+
+    Raises
+    ------
+    DataError
+        The array is not of that shape.
+    """
+    pictures = np.asarray(pictures)
+    if pictures.ndim != 5 or pictures.shape[-1] != 3 or pictures.dtype != np.uint8 or not pictures.size:
+        raise DataError(
+            f"pictures of modes must be (modes, steps, H, W, 3) uint8, not {pictures.shape} {pictures.dtype}."
+        )
+    modes, steps, height, width = pictures.shape[:4]
+    rows = rows if rows is not None else [f"v{mode + 1}" for mode in range(modes)]
+    columns = columns if columns is not None else [_deviations(step) for step in np.linspace(-3, 3, steps)]
+    each = 1.5
+    with _style():
+        figure = _figure(each * steps + 0.5, each * height / width * modes + 0.4)
+        panels = figure.subplots(modes, steps, squeeze=False)
+        for (mode, step), axes in np.ndenumerate(panels):
+            axes.imshow(pictures[mode, step], interpolation="lanczos")
+            axes.set(xticks=[], yticks=[])
+            axes.grid(False)
+            axes.spines[:].set_visible(False)
+            if mode == 0:
+                axes.set_title(columns[step], loc="center")
+            if step == 0:
+                axes.set_ylabel(rows[mode], rotation=0, ha="right", va="center")
+        return _png(figure)
+
+
+def _deviations(step: float) -> str:
+    return "mean" if abs(step) < 1e-9 else f"{step:+.3g} σ".replace("-", "−")

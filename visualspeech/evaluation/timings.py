@@ -1,0 +1,79 @@
+"""What the stages of a run cost: seconds, memory, and frames a second."""
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+
+@dataclass(frozen=True)
+class StageTiming:
+    """Cost of one stage, over all its jobs.
+
+    Parameters
+    ----------
+    stage : name
+    jobs : number of jobs
+    seconds : wall-clock seconds of all jobs together (jobs that ran side by side are added up)
+    longest : seconds of the longest job
+    memory : largest resident set of a job in MB; NaN where a job was too short to be measured
+    frames : frames that the stage went through, 0 where that has no meaning
+    """
+
+    stage: str
+    jobs: int
+    seconds: float
+    longest: float
+    memory: float
+    frames: int = 0
+
+    @property
+    def frames_per_second(self) -> float:
+        """Frames a second of one job; NaN where frames have no meaning."""
+        return self.frames / self.seconds if self.frames and self.seconds > 0 else float("nan")
+
+
+def read_timings(folders: Iterable[str | Path], frames: Mapping[str, int] | None = None) -> tuple[StageTiming, ...]:
+    """Cost of every stage, in the order in which the stages ended.
+
+    Parameters
+    ----------
+    folders : each holds a table ``<stage>.tsv`` or a folder ``<stage>`` of such tables, one a job, with the columns
+        ``s`` (wall-clock seconds) and ``max_rss`` (MB); the last line of a table counts
+    frames : stage -> frames it went through
+    """
+    found = []
+    for folder in map(Path, folders):
+        for path in sorted(folder.iterdir()) if folder.is_dir() else ():
+            tables = sorted(path.rglob("*.tsv")) if path.is_dir() else [path]
+            jobs = [job for job in map(_job, tables) if job is not None]
+            if jobs:
+                ended = max(table.stat().st_mtime for table in tables)
+                stage = path.name if path.is_dir() else path.stem
+                found.append((ended, _stage(stage, jobs, (frames or {}).get(stage, 0))))
+    return tuple(timing for _, timing in sorted(found, key=lambda one: (one[0], one[1].stage)))
+
+
+def _stage(name: str, jobs: list[tuple[float, float]], frames: int) -> StageTiming:
+    seconds, memory = np.array(jobs).T
+    measured = memory[np.isfinite(memory)]
+    largest = float(measured.max()) if len(measured) else float("nan")
+    return StageTiming(name, len(jobs), float(seconds.sum()), float(seconds.max()), largest, frames)
+
+
+def _job(path: Path) -> tuple[float, float] | None:
+    """Seconds and MB of one job's table; None where it is none (a job that was killed may leave half of one)."""
+    try:
+        header, *lines = [line.split("\t") for line in path.read_text(encoding="utf-8").splitlines() if line.strip()]
+        values = dict(zip(header, lines[-1], strict=True))
+        return float(values["s"]), _number(values.get("max_rss", ""))
+    except (OSError, ValueError, KeyError, IndexError):
+        return None
+
+
+def _number(text: str) -> float:
+    try:
+        return float(text)
+    except ValueError:
+        return float("nan")
