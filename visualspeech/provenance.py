@@ -15,6 +15,12 @@ def digest(value) -> str:
     return hashlib.sha256(json.dumps(value, sort_keys=True).encode()).hexdigest()[:12]
 
 
+def file_digest(path: str | Path) -> str:
+    """Short digest of a file's bytes."""
+    with open(path, "rb") as file:
+        return hashlib.file_digest(file, "sha256").hexdigest()[:12]
+
+
 def split_hash(split: Mapping[str, str]) -> str:
     """Digest of a split (id -> train, validation or test); every table prints it."""
     return digest(sorted(split.items()))

@@ -2,6 +2,7 @@ rule train_network:
     input:
         utterances=f"{RUN}/utterances.tsv",
         phones=f"{RUN}/phones.tsv",
+        aam=f"{RUN}/aam/model.safetensors",
         features=shards(f"{RUN}/features/{{shard}}.h5"),
     output:
         network=f"{RUN}/models/{{model}}/network.safetensors",
@@ -44,6 +45,7 @@ rule predict_network:
 rule predict_baseline:
     input:
         utterances=f"{RUN}/utterances.tsv",
+        phones=f"{RUN}/phones.tsv",
         features=shards(f"{RUN}/features/{{shard}}.h5"),
     output:
         f"{RUN}/models/{{model}}/predictions.h5",
@@ -55,6 +57,22 @@ rule predict_baseline:
         settings=SETTINGS["baselines"],
         code=code("predict_baseline.py"),
     wildcard_constraints:
-        model="|".join(BASELINES),
+        model="training_mean|phone_state_mean|triphone_state_mean",
     script:
         "../scripts/predict_baseline.py"
+
+
+rule reconstruct_appearance:
+    input:
+        utterances=f"{RUN}/utterances.tsv",
+        features=shards(f"{RUN}/features/{{shard}}.h5"),
+    output:
+        f"{RUN}/models/aam_reconstruction/predictions.h5",
+    log:
+        f"{RUN}/logs/reconstruct_appearance.log",
+    benchmark:
+        f"{RUN}/benchmarks/reconstruct_appearance.tsv"
+    params:
+        code=code("reconstruct_appearance.py"),
+    script:
+        "../scripts/reconstruct_appearance.py"

@@ -30,10 +30,7 @@ rule tabulate_results:
         f"{RUN}/benchmarks/tabulate_results.tsv"
     params:
         settings=SETTINGS["tables"],
-        corpus=PLAN.name,
-        experiment=SETTINGS["experiment"],
-        drift=SETTINGS["drift"]["method"],
-        models=MODELS + BASELINES,
+        facts={"corpus": PLAN.name, "experiment": SETTINGS["experiment"], "drift": SETTINGS["drift"]["method"]},
         seed=SEED,
         code=code("tabulate_results.py"),
     script:
