@@ -279,15 +279,13 @@ class ArrayCollection:
 
 def write_model(path: str | Path, tensors: Mapping[str, np.ndarray], settings: Mapping) -> None:
     """Write a model as safetensors: named arrays, and its settings as JSON metadata."""
-    from safetensors.numpy import save_file
+    from safetensors.numpy import save
 
     arrays = {name: np.ascontiguousarray(values) for name, values in sorted(tensors.items())}
-    metadata = {"settings": json.dumps(settings, sort_keys=True)}
+    content = save(arrays, metadata={"settings": json.dumps(settings, sort_keys=True)})
+    # Written here and not by safetensors, whose own files nobody but their owner may read.
     with replacing(path) as temporary:
-        try:
-            save_file(arrays, temporary, metadata=metadata)
-        except Exception as error:  # safetensors has an error type of its own for a full or read-only disk
-            raise OSError(getattr(error, "errno", None), str(error)) from error
+        temporary.write_bytes(content)
 
 
 def read_model(path: str | Path) -> tuple[dict[str, np.ndarray], dict]:
