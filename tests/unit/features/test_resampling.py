@@ -1,0 +1,64 @@
+import numpy as np
+import pytest
+
+from visualspeech.errors import DataError
+from visualspeech.features.resampling import resample
+from visualspeech.timing import frame_times
+
+
+@pytest.mark.parametrize("rate", [10.0, 12.5, 24.0, 29.97, 50.0, 100.0])
+def test_a_ramp_stays_the_same_ramp_away_from_the_ends(rate):
+    values = 3 * frame_times(75, 25.0)[:, None] + np.array([1.0, -2.0])
+    result = resample(values, 25.0, rate)
+    times = frame_times(len(result), rate)
+    inside = (times > 0.1) & (times < 2.9)
+    expected = 3 * times[:, None] + np.array([1.0, -2.0])
+    assert np.allclose(result[inside], expected[inside], atol=1e-9)
+
+
+def test_length_and_constant():
+    result = resample(np.full((75, 2), 4.0, np.float32), 25.0, 120.0)
+    assert result.shape == (360, 2) and result.dtype == np.float32
+    assert np.allclose(result, 4.0)
+    assert resample(np.ones((1, 2)), 25.0, 1.0).shape == (1, 2)
+    assert resample(np.ones(10), 100.0, 25.0, frames=2).shape == (2,)
+
+
+def test_the_same_rate_changes_nothing():
+    values = np.random.default_rng(1).normal(size=(9, 3))
+    result = resample(values, 25.0, 25.0)
+    assert np.array_equal(result, values) and result is not values
+
+
+def test_up_and_down_by_a_whole_factor_in_closed_form():
+    # Twice the rate: a quarter of the way to each neighbour.
+    assert np.allclose(resample(np.array([0.0, 4.0]), 10.0, 20.0), [0, 1, 3, 4])
+    # Half the rate: the frame's two centres lie 1/4 and 3/4 into it; between two frames the line goes on.
+    # Mean over [0, 0.2] of the line through (0.05, 0), (0.15, 4), (0.25, 8), (0.35, 8), constant outside.
+    first = (0.1 * (0 + 4) / 2 + 0.05 * (4 + 6) / 2) / 0.2
+    second = (0.05 * (6 + 8) / 2 + 0.1 * 8 + 0.05 * 8) / 0.2
+    assert np.allclose(resample(np.array([0.0, 4.0, 8.0, 8.0]), 10.0, 5.0), [first, second])
+
+
+def test_the_mean_over_frames_against_fine_sampling():
+    values = np.random.default_rng(2).normal(size=(60, 2))
+    result = resample(values, 100.0, 29.0)
+    fine = (np.arange(200_000) + 0.5) / 200_000 * len(result) / 29.0
+    line = np.stack([np.interp(fine, frame_times(60, 100.0), column) for column in values.T], axis=1)
+    frame = (fine * 29.0).astype(int)
+    expected = np.stack([line[frame == number].mean(axis=0) for number in range(len(result))])
+    assert np.allclose(result, expected, atol=1e-3)
+
+
+def test_what_is_too_fast_for_the_new_rate_does_not_fold_back():
+    times = frame_times(400, 100.0)
+    fast = np.sin(2 * np.pi * 24.0 * times)
+    assert np.abs(fast[2::4]).max() > 0.9
+    assert np.abs(resample(fast, 100.0, 25.0)).max() < 0.15
+
+
+def test_nothing_to_resample():
+    with pytest.raises(DataError):
+        resample(np.zeros((0, 2)), 25.0, 50.0)
+    with pytest.raises(DataError):
+        resample(np.zeros((3, 2)), 25.0, 0.0)
