@@ -1,4 +1,6 @@
-"""Frames a second of training FBB-128 beside a bare torch loop over the same batches: python benchmarks/training_speed.py
+"""Frames a second of training FBB-128 beside a bare torch loop over the same batches.
+
+Run: python benchmarks/training_speed.py
 
 The bare loop has the same layers on ready-made one-hot tensors without padding, and no validation, checkpoint or
 clipping, so the ratio is what everything else costs. Both in one process, on one thread, in turns.
