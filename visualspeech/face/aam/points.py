@@ -30,8 +30,11 @@ _MEANS = (
     (8, 57),  # chin hollow: chin and lower lip
 )
 
-LOWERED = np.array([5, 6, 7, 8, 9, 10, 11, 33, 34, 35, 36, 37, 43, 44, 45, 50])
-"""Points that go down with the jaw: chin, lower lip (without the corners), chin hollow."""
+LOWERED = np.zeros(POINTS)
+LOWERED[[34, 35, 36, 43, 44, 45, 7, 8, 9, 50]] = 1.0
+LOWERED[[33, 37, 6, 10]] = 0.7
+LOWERED[[5, 11]] = 0.4
+"""How far each point follows the jaw down: lower lip, chin and chin hollow fully, towards the corners less."""
 
 OUTLINE = np.array([*range(17), 47, 17, 46])
 """The points around the region, in order: along the jaw, then over the cheeks below the eyes and the nose bridge."""

@@ -1,0 +1,330 @@
+"""The active appearance model of the lower face (Cootes 2001; Fan 2015, section 3.2, Eq. 1-8).
+
+Notation of the docstrings: N points, U texture pixels, T frames; s shape vector (2N,) in pixels of the normalised face
+(Eq. 1), t texture (3U,) in grey levels (Eq. 4), a shape, b texture and v appearance parameters.
+
+Weighting. Shapes are pixels and textures are grey levels, so the joint analysis of Eq. 6 depends on how the two are
+weighed. Here it is done on (w a, b)::
+
+    (w a, b) = v P_v,    P_v orthonormal
+
+With ``weighting="variance"`` w is the square root of texture variance over shape variance (Cootes 2001, section 2.1),
+with ``"none"`` w is 1, the paper's equation as printed. Dividing the first columns of P_v by w gives P_vs, and with it
+Eq. 7 and 8 hold as they stand: a = v P_vs, b = v P_vt, s = s_0 + v Q_s, t = t_0 + v Q_t.
+"""
+
+import tempfile
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict, dataclass, field
+from functools import cached_property
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+
+from visualspeech.errors import DataError, SettingError
+from visualspeech.face.aam.empca import Rows, em_pca, pca
+from visualspeech.face.aam.rows import RowFile, choose_frames
+from visualspeech.face.drift import FaceReference, corpus_reference, remove
+from visualspeech.jobs import log, progress
+from visualspeech.storage import read_model, write_model
+
+WEIGHTINGS = ("variance", "none")
+_CHUNK = 256  # frames in work at a time
+
+
+@dataclass(frozen=True)
+class AamSettings:
+    """How an AAM is trained.
+
+    Parameters
+    ----------
+    images : most training frames, drawn at random from all training utterances (the paper: 20,000)
+    shape, texture, appearance : ``{"energy": fraction}`` or ``{"components": number}`` for each of the three analyses
+        (the paper: 66 shape components with about 99 %, 100 texture components with about 87 %, 87 joint ones)
+    weighting : ``variance`` or ``none``, see the module
+    iterations : most passes of EM-PCA
+    seed : of the draw of frames and of EM-PCA's start
+    """
+
+    images: int = 20000
+    shape: Mapping = field(default_factory=lambda: {"energy": 0.99})
+    texture: Mapping = field(default_factory=lambda: {"energy": 0.87})
+    appearance: Mapping = field(default_factory=lambda: {"energy": 0.99})
+    weighting: str = "variance"
+    iterations: int = 10
+    seed: int = 0
+
+    def __post_init__(self) -> None:
+        for name in ("shape", "texture", "appearance"):
+            _check_target(name, getattr(self, name))
+        if self.weighting not in WEIGHTINGS:
+            raise SettingError(f"AAM weighting {self.weighting!r} is unknown; give one of {', '.join(WEIGHTINGS)}.")
+        for name, least in (("images", 2), ("iterations", 1)):
+            value = getattr(self, name)
+            if not isinstance(value, int) or value < least:
+                raise SettingError(f"AAM {name} is {value!r}; give a whole number, {least} or more.")
+
+
+def _check_target(name: str, target: Mapping) -> None:
+    if not isinstance(target, Mapping) or set(target) not in ({"energy"}, {"components"}):
+        raise SettingError(
+            f"AAM {name} is {target!r}; give either energy (a fraction such as 0.99) or components (a number)."
+        )
+    value = next(iter(target.values()))
+    if "energy" in target and not (isinstance(value, int | float) and 0 < value < 1):
+        raise SettingError(f"AAM {name} energy is {value!r}; give a fraction above 0 and below 1.")
+    if "components" in target and not (isinstance(value, int) and value >= 1):
+        raise SettingError(f"AAM {name} components is {value!r}; give a whole number, 1 or more.")
+
+
+class Parameters(NamedTuple):
+    """Parameters of T frames: shape a (T, Ns), texture b (T, Nt), appearance v (T, N), float32; and residual (T,)
+    float32, the root mean square in grey levels of what the texture components leave of each texture."""
+
+    shape: np.ndarray
+    texture: np.ndarray
+    appearance: np.ndarray
+    residual: np.ndarray
+
+
+@dataclass(frozen=True)
+class Aam:
+    """A trained model.
+
+    Parameters
+    ----------
+    shape_mean : (2N,) s_0; shape_components : (Ns, 2N) P_s, orthonormal; shape_variances : (Ns,)
+    texture_mean : (3U,) t_0; texture_components : (Nt, 3U) P_t, orthonormal; texture_variances : (Nt,)
+    appearance_components : (N, Ns + Nt) P_v, orthonormal, for (w a, b); appearance_variances : (N,)
+    shape_weight : w
+    totals : (3,) total variance of the training shapes, textures and (w a, b)
+    drift : the corpus's reference face; utterances are moved onto it before encoding (:mod:`visualspeech.face.drift`)
+    settings : the settings it was trained with
+    """
+
+    shape_mean: np.ndarray
+    shape_components: np.ndarray
+    shape_variances: np.ndarray
+    texture_mean: np.ndarray
+    texture_components: np.ndarray
+    texture_variances: np.ndarray
+    appearance_components: np.ndarray
+    appearance_variances: np.ndarray
+    shape_weight: float
+    totals: np.ndarray
+    drift: FaceReference
+    settings: AamSettings
+
+    @property
+    def sizes(self) -> tuple[int, int, int]:
+        """Numbers of shape, texture and appearance components (Ns, Nt, N)."""
+        return len(self.shape_components), len(self.texture_components), len(self.appearance_components)
+
+    @property
+    def energies(self) -> tuple[float, float, float]:
+        """Fractions of the training variance that shape, texture and appearance components hold."""
+        kept = [self.shape_variances.sum(), self.texture_variances.sum(), self.appearance_variances.sum()]
+        return tuple(float(x) for x in np.array(kept) / self.totals)
+
+    @cached_property
+    def appearance_to_shape(self) -> np.ndarray:
+        """P_vs (N, Ns), the weight taken out: a = v P_vs (Eq. 7)."""
+        return (self.appearance_components[:, : self.sizes[0]] / self.shape_weight).astype(np.float32)
+
+    @cached_property
+    def appearance_to_texture(self) -> np.ndarray:
+        """P_vt (N, Nt): b = v P_vt (Eq. 8)."""
+        return np.ascontiguousarray(self.appearance_components[:, self.sizes[0] :])
+
+    @cached_property
+    def shape_basis(self) -> np.ndarray:
+        """Q_s = P_vs P_s (N, 2N) (Eq. 7)."""
+        return self.appearance_to_shape @ self.shape_components
+
+    @cached_property
+    def texture_basis(self) -> np.ndarray:
+        """Q_t = P_vt P_t (N, 3U) (Eq. 8)."""
+        return self.appearance_to_texture @ self.texture_components
+
+    def encode(self, shape: np.ndarray, texture: np.ndarray) -> Parameters:
+        """Parameters of T faces without drift: shape (T, 2N) and texture (T, 3U), any number types (Eq. 3, 5, 6).
+
+        Raises
+        ------
+        DataError
+            The lengths differ, or the vectors are not those of this model.
+        """
+        return self._in_chunks(shape, texture, lambda shape, texture: (shape, texture))
+
+    def encode_utterance(self, shape: np.ndarray, texture: np.ndarray, reference: FaceReference) -> Parameters:
+        """Parameters of an utterance as recorded: its drift is removed with its own reference face, then encoded.
+
+        Raises
+        ------
+        DataError
+            As :meth:`encode`.
+        """
+        return self._in_chunks(shape, texture, lambda shape, texture: remove(shape, texture, reference, self.drift))
+
+    def _in_chunks(self, shape: np.ndarray, texture: np.ndarray, prepare) -> Parameters:
+        expected = (len(shape), len(self.shape_mean)), (len(shape), len(self.texture_mean))
+        if (shape.shape, texture.shape) != expected:
+            raise DataError(
+                f"shapes {shape.shape} and textures {texture.shape} do not fit this AAM, expected {expected}"
+            )
+        parts = []
+        for start in range(0, max(len(shape), 1), _CHUNK):
+            rows = slice(start, start + _CHUNK)
+            parts.append(self._encode(*prepare(shape[rows], texture[rows])))
+        return Parameters(*(np.concatenate(values) for values in zip(*parts, strict=True)))
+
+    def _encode(self, shape: np.ndarray, texture: np.ndarray) -> Parameters:
+        a = (np.asarray(shape, np.float32) - self.shape_mean) @ self.shape_components.T
+        away = np.asarray(texture, np.float32) - self.texture_mean
+        b = away @ self.texture_components.T
+        left = np.einsum("ij,ij->i", away, away, dtype=np.float64) - np.einsum("ij,ij->i", b, b, dtype=np.float64)
+        residual = np.sqrt(np.maximum(left, 0) / away.shape[1]).astype(np.float32)
+        v = np.concatenate([a * np.float32(self.shape_weight), b], axis=1) @ self.appearance_components.T
+        return Parameters(a, b, v, residual)
+
+    def decode(self, appearance: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Faces of parameters v (T, N): shape (T, 2N) and texture (T, 3U), float32, not clipped (Eq. 7, 8)."""
+        v = np.asarray(appearance, np.float32)
+        return self.shape_mean + v @ self.shape_basis, self.texture_mean + v @ self.texture_basis
+
+    def shape_parameters(self, appearance: np.ndarray) -> np.ndarray:
+        """Shape parameters a (T, Ns) reconstructed from v (T, N): what Eq. 16 compares."""
+        return np.asarray(appearance, np.float32) @ self.appearance_to_shape
+
+    def texture_parameters(self, appearance: np.ndarray) -> np.ndarray:
+        """Texture parameters b (T, Nt) reconstructed from v (T, N): what Eq. 17 compares."""
+        return np.asarray(appearance, np.float32) @ self.appearance_to_texture
+
+    def save(self, path: str | Path) -> None:
+        tensors = {name: np.asarray(getattr(self, name)) for name in _ARRAYS}
+        tensors |= {"drift_shape": self.drift.shape, "drift_texture": self.drift.texture}
+        write_model(path, tensors, asdict(self.settings))
+
+    @classmethod
+    def load(cls, path: str | Path) -> "Aam":
+        tensors, settings = read_model(path)
+        drift = FaceReference(tensors.pop("drift_shape"), tensors.pop("drift_texture"))
+        weight = float(tensors.pop("shape_weight"))
+        return cls(drift=drift, shape_weight=weight, settings=AamSettings(**settings), **tensors)
+
+
+_ARRAYS = (
+    "shape_mean",
+    "shape_components",
+    "shape_variances",
+    "texture_mean",
+    "texture_components",
+    "texture_variances",
+    "appearance_components",
+    "appearance_variances",
+    "shape_weight",
+    "totals",
+)
+
+
+def fit(
+    shapes: np.ndarray, textures: Rows, settings: AamSettings | None = None, drift: FaceReference | None = None
+) -> Aam:
+    """Train an :class:`Aam` on J faces without drift (Eq. 2, 3, 5, 6).
+
+    Parameters
+    ----------
+    shapes : (J, 2N)
+    textures : source of J rows of 3U values (:class:`~visualspeech.face.aam.rows.RowFile` or ``ArrayRows``)
+    drift : the corpus's reference face, kept with the model; zeros where there is none
+
+    Raises
+    ------
+    DataError
+        The numbers of shapes and textures differ, or they do not vary.
+    SettingError
+        More components, or more energy, than the data can give.
+    """
+    settings = settings or AamSettings()
+    if len(shapes) != textures.shape[0]:
+        raise DataError(f"{len(shapes)} training shapes but {textures.shape[0]} training textures")
+    s = pca(np.asarray(shapes, np.float64), **settings.shape, what="AAM shape")
+    t = em_pca(textures, **settings.texture, iterations=settings.iterations, seed=settings.seed, what="AAM texture")
+    a = (np.asarray(shapes, np.float32) - s.mean) @ s.components.T
+    b = np.concatenate([(chunk - t.mean) @ t.components.T for chunk in textures.chunks()])
+    weight = 1.0
+    if settings.weighting == "variance":
+        weight = float(np.sqrt(t.eigenvalues.sum() / s.eigenvalues.sum()))
+    v = pca(np.concatenate([a * weight, b], axis=1).astype(np.float64), **settings.appearance, what="AAM appearance")
+    aam = Aam(
+        shape_mean=s.mean,
+        shape_components=s.components,
+        shape_variances=s.eigenvalues,
+        texture_mean=t.mean,
+        texture_components=t.components,
+        texture_variances=t.eigenvalues,
+        appearance_components=v.components,
+        appearance_variances=v.eigenvalues,
+        shape_weight=weight,
+        totals=np.array([s.total_variance, t.total_variance, v.total_variance]),
+        drift=drift or FaceReference(np.zeros_like(s.mean), np.zeros_like(t.mean)),
+        settings=settings,
+    )
+    log.info(
+        "AAM of %d faces: %d shape components (%.4f of the variance), %d texture (%.4f), %d appearance (%.4f), "
+        "shape weight %.4g",
+        len(shapes),
+        *(value for pair in zip(aam.sizes, aam.energies, strict=True) for value in pair),
+        weight,
+    )
+    return aam
+
+
+def fit_utterances(arrays, ids: Sequence[str], settings: AamSettings | None = None, folder: str | None = None) -> Aam:
+    """Train an :class:`Aam` on frames drawn from training utterances, their drift removed.
+
+    Memory does not grow with the number of utterances: the textures drawn are kept in a scratch file (4 bytes a value,
+    1.4 GB for 20,000 x 18,000), which is removed in the end.
+
+    Parameters
+    ----------
+    arrays : :class:`~visualspeech.storage.ArrayReader` or ``ArrayCollection`` with, of each utterance, ``shape``
+        (T, 2N), ``texture`` (T, 3U), ``reference_shape`` (2N,) and ``reference_texture`` (3U,)
+    ids : the training utterances
+    folder : where to put the scratch file; None for the system's
+
+    Raises
+    ------
+    DataError, SettingError
+        As :func:`fit`.
+    StorageError
+        The scratch file does not fit on the disk.
+    """
+    settings = settings or AamSettings()
+    ids = sorted(ids)
+    chosen = choose_frames({name: arrays.length(name, "shape") for name in ids}, settings.images, settings.seed)
+    if not chosen:
+        raise DataError("no training frames: every training utterance was rejected or is empty")
+    corpus = corpus_reference(reference_face(arrays, name) for name in ids)
+    with tempfile.TemporaryDirectory(prefix="visualspeech-aam-", dir=folder) as scratch:
+        textures = RowFile(Path(scratch) / "textures.f32", len(corpus.texture))
+        shapes = []
+        for name, frames in progress(chosen.items(), len(chosen), "utterances read"):
+            own = reference_face(arrays, name)
+            for start in range(0, int(frames[-1]) + 1, _CHUNK):
+                inside = frames[(frames >= start) & (frames < start + _CHUNK)] - start
+                rows = slice(start, start + _CHUNK)
+                shape = arrays.array(name, "shape", rows)[inside]
+                texture = arrays.array(name, "texture", rows)[inside]
+                shape, texture = remove(shape, texture, own, corpus)
+                shapes.append(shape)
+                textures.append(texture)
+        return fit(np.concatenate(shapes), textures, settings, corpus)
+
+
+def reference_face(arrays, utterance_id: str) -> FaceReference:
+    """The reference face of an utterance, as kept with its textures."""
+    return FaceReference(
+        arrays.array(utterance_id, "reference_shape", ...), arrays.array(utterance_id, "reference_texture", ...)
+    )

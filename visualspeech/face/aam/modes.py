@@ -1,0 +1,57 @@
+"""The modes of an AAM as pictures: what one component does to the face."""
+
+import numpy as np
+
+from visualspeech.errors import SettingError
+from visualspeech.face.aam.model import Aam
+from visualspeech.face.aam.points import to_points
+from visualspeech.face.aam.reference import Reference, paint
+
+KINDS = ("shape", "texture", "appearance")
+
+
+def mode_pictures(
+    aam: Aam, reference: Reference, kind: str, mode: int, sd: float = 2.0, width: int = 200, background: int = 255
+) -> list[np.ndarray]:
+    """Three pictures of a mode: mean - sd standard deviations, mean, mean + sd.
+
+    Parameters
+    ----------
+    kind : ``shape`` (with the mean texture), ``texture`` (at the mean shape) or ``appearance`` (both together)
+    mode : which component, from 0
+    sd : how far from the mean, in standard deviations of the training faces
+    width : width of each picture in pixels
+    background : grey level around the face
+
+    Returns
+    -------
+    three (height, width, 3) uint8 RGB, all of one size and scale
+
+    Raises
+    ------
+    SettingError
+        The kind is unknown, or the model has no such mode.
+    """
+    if kind not in KINDS:
+        raise SettingError(f"no kind of mode {kind!r}; give one of {', '.join(KINDS)}.")
+    bases = {
+        "shape": (aam.shape_components, None, aam.shape_variances),
+        "texture": (None, aam.texture_components, aam.texture_variances),
+        "appearance": (aam.shape_basis, aam.texture_basis, aam.appearance_variances),
+    }
+    shapes, textures, variances = bases[kind]
+    if not 0 <= mode < len(variances):
+        raise SettingError(f"there is no {kind} mode {mode}: this AAM has {len(variances)}, counted from 0.")
+    distance = sd * np.sqrt(variances[mode])
+    faces = [
+        (
+            to_points(aam.shape_mean + (0 if shapes is None else step * shapes[mode])),
+            aam.texture_mean + (0 if textures is None else step * textures[mode]),
+        )
+        for step in (-distance, 0.0, distance)
+    ]
+    everywhere = np.concatenate([points for points, _ in faces])
+    low, high = everywhere.min(axis=0), everywhere.max(axis=0)
+    scale = (width - 8) / (high[0] - low[0])
+    canvas = np.full((int(np.ceil((high[1] - low[1]) * scale)) + 8, width, 3), background, np.uint8)
+    return [paint(texture, (points - low) * scale + 4, reference, canvas) for points, texture in faces]

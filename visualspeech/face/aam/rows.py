@@ -1,0 +1,72 @@
+"""Many rows on disk, read a chunk at a time: training textures do not fit into memory and need not."""
+
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+
+import numpy as np
+
+from visualspeech.errors import DataError, StorageError
+
+
+class RowFile:
+    """Rows (n, d) of float32 in a file of their own; memory holds one chunk of them.
+
+    ``append`` while writing, then :meth:`chunks` as often as needed. Plain reads are used and not a memory map, so
+    that pages of the file do not count as memory of the process. The file is scratch: whoever gives the folder removes
+    it (``tempfile.TemporaryDirectory``).
+    """
+
+    def __init__(self, path: str | Path, dimension: int) -> None:
+        self.path, self.dimension, self.count = Path(path), dimension, 0
+        self.path.write_bytes(b"")
+
+    @property
+    def shape(self) -> tuple[int, int]:
+        return self.count, self.dimension
+
+    def append(self, rows: np.ndarray) -> None:
+        if rows.shape[1] != self.dimension:
+            raise DataError(f"rows of {rows.shape[1]} values given to a file of rows of {self.dimension}")
+        try:
+            with self.path.open("ab") as file:
+                np.ascontiguousarray(rows, np.float32).tofile(file)
+        except OSError as error:
+            raise StorageError(
+                f"cannot write {self.path}: {error.strerror or error}. Free {rows.nbytes * 100 / 1e9:.0f} GB or more "
+                "there, or point TMPDIR to a larger disk, and run again."
+            ) from error
+        self.count += len(rows)
+
+    def chunks(self, size: int = 512) -> Iterator[np.ndarray]:
+        """The rows in order, at most ``size`` at a time, (m, d) float32 each."""
+        with self.path.open("rb") as file:
+            for start in range(0, self.count, size):
+                rows = min(size, self.count - start)
+                yield np.fromfile(file, np.float32, rows * self.dimension).reshape(rows, self.dimension)
+
+
+class ArrayRows:
+    """An array (n, d) in memory seen as a source of rows."""
+
+    def __init__(self, array: np.ndarray) -> None:
+        self.array, self.shape = array, array.shape
+
+    def chunks(self, size: int = 512) -> Iterator[np.ndarray]:
+        for start in range(0, len(self.array), size):
+            yield np.asarray(self.array[start : start + size], np.float32)
+
+
+def choose_frames(lengths: Mapping[str, int], images: int, seed: int) -> dict[str, np.ndarray]:
+    """At most ``images`` frames drawn at random over all utterances: id -> ascending frame numbers.
+
+    The draw depends on the ids, their lengths and the seed, not on the order of the mapping. Utterances of which no
+    frame was drawn are left out.
+    """
+    ids = sorted(lengths)
+    starts = np.concatenate([[0], np.cumsum([lengths[name] for name in ids])]).astype(np.int64)
+    total = int(starts[-1])
+    drawn = np.arange(total)
+    if total > images:
+        drawn = np.sort(np.random.default_rng(seed).choice(total, images, replace=False, shuffle=False))
+    home = np.searchsorted(starts, drawn, side="right") - 1
+    return {ids[number]: drawn[home == number] - starts[number] for number in np.unique(home)}

@@ -1,0 +1,127 @@
+"""Slow drift between recordings (light, seat, camera), taken out of shapes and textures and put back for rendering.
+
+A speaker moves and the light changes between one utterance and the next. That is a large part of the variance of raw
+faces, it has nothing to do with what is said, and no model of speech can predict it. Each utterance therefore gets a
+reference face of its own, and is moved as a whole so that its reference falls on the corpus's reference::
+
+    normalised = observed - reference of the utterance + reference of the corpus
+
+The move is one constant vector for an utterance: movement in time, which is what speech is, stays as it was, and
+:func:`restore` undoes it exactly, so that a rendered mouth has the light of the recording it is put into.
+
+Methods (``DriftSettings.method``):
+
+``silence``
+    the reference is the mean over the utterance's silent frames (pauses of the alignment). Uses nothing of the speech,
+    but rests on few frames, and a mouth at rest is not always the same mouth.
+``clip_mean``
+    the reference is the mean over all frames. Steadier; takes out with the drift what the utterance's mean owes to
+    its words.
+``none``
+    nothing is taken out.
+"""
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+
+from visualspeech.errors import DataError, SettingError
+
+METHODS = ("clip_mean", "silence", "none")
+
+
+@dataclass(frozen=True)
+class DriftSettings:
+    """How drift is taken out.
+
+    Parameters
+    ----------
+    method : ``clip_mean``, ``silence`` or ``none``
+    least_silent_frames : with ``silence``, an utterance with fewer silent frames is referred to its clip mean
+    """
+
+    method: str = "clip_mean"
+    least_silent_frames: int = 5
+
+    def __post_init__(self) -> None:
+        if self.method not in METHODS:
+            raise SettingError(f"drift method {self.method!r} is unknown; give one of {', '.join(METHODS)}.")
+
+
+class FaceReference(NamedTuple):
+    """A reference face: shape (102,) in pixels of the normalised face, texture (3U,) in grey levels; float32."""
+
+    shape: np.ndarray
+    texture: np.ndarray
+
+
+def reference_of(
+    shape: np.ndarray, texture: np.ndarray, silent: np.ndarray | None = None, settings: DriftSettings | None = None
+) -> FaceReference:
+    """The reference face of one utterance.
+
+    Parameters
+    ----------
+    shape : (T, 102) shape vectors in pixels of the normalised face
+    texture : (T, 3U) textures in grey levels, any number type
+    silent : (T,) bool, the frames in which nobody speaks; only ``silence`` needs it
+
+    Raises
+    ------
+    DataError
+        Lengths differ, there are no frames, or ``silence`` was asked for without ``silent``.
+    """
+    settings = settings or DriftSettings()
+    if not (0 < len(shape) == len(texture)):
+        raise DataError(f"an utterance has {len(shape)} shapes and {len(texture)} textures")
+    if settings.method == "none":
+        return FaceReference(np.zeros(shape.shape[1], np.float32), np.zeros(texture.shape[1], np.float32))
+    chosen = np.ones(len(shape), bool)
+    if settings.method == "silence":
+        if silent is None or len(silent) != len(shape):
+            raise DataError(
+                f"the silent frames ({None if silent is None else len(silent)}) do not fit {len(shape)} shapes"
+            )
+        if np.count_nonzero(silent) >= settings.least_silent_frames:
+            chosen = np.asarray(silent, bool)
+    return FaceReference(
+        shape[chosen].mean(axis=0, dtype=np.float64).astype(np.float32),
+        texture[chosen].mean(axis=0, dtype=np.float64).astype(np.float32),
+    )
+
+
+def corpus_reference(references: Iterable[FaceReference]) -> FaceReference:
+    """The mean of the training utterances' references, each counted once; read in one pass.
+
+    Raises
+    ------
+    DataError
+        There are none.
+    """
+    shape, texture, count = 0.0, 0.0, 0
+    for reference in references:
+        shape = shape + np.asarray(reference.shape, np.float64)
+        texture = texture + np.asarray(reference.texture, np.float64)
+        count += 1
+    if not count:
+        raise DataError("no training utterances to take a reference of")
+    return FaceReference((shape / count).astype(np.float32), (texture / count).astype(np.float32))
+
+
+def remove(
+    shape: np.ndarray, texture: np.ndarray, utterance: FaceReference, corpus: FaceReference
+) -> tuple[np.ndarray, np.ndarray]:
+    """Shapes (T, 102) and textures (T, 3U) without the utterance's drift, float32."""
+    return (
+        np.asarray(shape, np.float32) + (corpus.shape - utterance.shape),
+        np.asarray(texture, np.float32) + (corpus.texture - utterance.texture),
+    )
+
+
+def restore(
+    shape: np.ndarray, texture: np.ndarray, utterance: FaceReference, corpus: FaceReference
+) -> tuple[np.ndarray, np.ndarray]:
+    """The inverse of :func:`remove`: faces with the seat and light of the utterance, float32 and not clipped."""
+    return remove(shape, texture, corpus, utterance)
