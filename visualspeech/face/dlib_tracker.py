@@ -38,9 +38,7 @@ def _models():
 
     package = importlib.util.find_spec("face_recognition_models")
     folder = Path(package.origin).parent / "models"
-    return dlib.get_frontal_face_detector(), dlib.shape_predictor(
-        str(folder / "shape_predictor_68_face_landmarks.dat")
-    )
+    return dlib.get_frontal_face_detector(), dlib.shape_predictor(str(folder / "shape_predictor_68_face_landmarks.dat"))
 
 
 class DlibTracker:

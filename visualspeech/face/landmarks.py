@@ -73,7 +73,7 @@ class Tracker(Protocol):
     """Follows one face through the frames of one recording; a fresh tracker is made for every recording."""
 
     def next(self, frame: np.ndarray) -> np.ndarray | None:
-        """The points (68, 2) in the next frame, (height, width, 3) uint8 RGB, in pixels; None where there is no face."""
+        """The points (68, 2) in pixels of the next frame, (height, width, 3) uint8 RGB; None where there is no face."""
 
     def faces(self) -> int:
         """The largest number of faces that a frame has held so far."""

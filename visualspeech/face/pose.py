@@ -14,8 +14,20 @@ import numpy as np
 from visualspeech.errors import DataError
 from visualspeech.face.camera import project, rotation_matrices, solve_pose, solve_translation
 from visualspeech.face.head import HeadModel, PoseSettings, fit_head
+from visualspeech.face.landmarks import smooth
 
-__all__ = ["HeadModel", "Pose", "PoseSettings", "estimate", "fit_head", "rigid_error", "to_frontal", "to_image"]
+__all__ = [
+    "HeadModel",
+    "Pose",
+    "PoseSettings",
+    "depth_map",
+    "estimate",
+    "fit_head",
+    "frontal_picture",
+    "rigid_error",
+    "to_frontal",
+    "to_image",
+]
 
 
 @dataclass(frozen=True)
@@ -57,14 +69,14 @@ def estimate(points: np.ndarray, head: HeadModel, settings: PoseSettings | None 
     seen = np.asarray(points, float)[:, head.rigid]
     model = head.points3d[head.rigid]
     rotation, translation = solve_pose(seen, model, head.focal, head.centre, head.weights)
-    rotation = _smooth(rotation, settings.rotation_smoothing)
+    rotation = smooth(rotation, settings.rotation_smoothing)
     # Distance is smoothed as its logarithm, which is scale: halves and doubles are alike.
     origin = model.mean(0)
     turned = (rotation_matrices(rotation) @ origin)[:, 2]
-    depth = np.exp(_smooth(np.log(translation[:, 2] + turned), settings.rotation_smoothing)) - turned
+    depth = np.exp(smooth(np.log(translation[:, 2] + turned), settings.rotation_smoothing)) - turned
     translation = solve_translation(seen, model, rotation, depth, head.focal, head.centre, head.weights)
-    middle = (rotation_matrices(rotation) @ origin + translation)
-    beside = _smooth(middle[:, :2] / middle[:, 2:], settings.place_smoothing)
+    middle = rotation_matrices(rotation) @ origin + translation
+    beside = smooth(middle[:, :2] / middle[:, 2:], settings.place_smoothing)
     shift = beside * middle[:, 2:] - middle[:, :2]
     return Pose(rotation, translation + np.column_stack([shift, np.zeros(len(shift))]))
 
@@ -112,15 +124,48 @@ def rigid_error(frontal: np.ndarray, head: HeadModel) -> float:
     return float(np.sqrt(((rigid - rigid.mean(0)) ** 2).sum(2).mean()))
 
 
+def depth_map(head: HeadModel) -> np.ndarray:
+    """Depth of the head under every pixel of the normalised picture, (height, width) in head coordinates.
+
+    A thin-plate spline through the 68 points, kept between the shallowest and the deepest of them. It is made for
+    showing: landmarks take their own depths.
+    """
+    from scipy.interpolate import RBFInterpolator
+
+    width, height = head.size
+    across, down = np.meshgrid(np.arange(width), np.arange(height))
+    places = np.stack([across.ravel(), down.ravel()], axis=1) - head.offset
+    # Inner and outer lips nearly coincide; without smoothing the surface would buckle between them.
+    surface = RBFInterpolator(head.points3d[:, :2], head.points3d[:, 2], kernel="thin_plate_spline", smoothing=50.0)
+    depth = head.points3d[:, 2]
+    return np.clip(surface(places), depth.min(), depth.max()).reshape(height, width)
+
+
+def frontal_picture(frame: np.ndarray, pose: Pose, head: HeadModel, depth: np.ndarray | None = None) -> np.ndarray:
+    """The normalised face of one frame, for showing.
+
+    Parameters
+    ----------
+    frame : (height, width, 3) uint8
+    pose : of this frame (one frame long)
+    depth : of :func:`depth_map`, where many pictures are made
+
+    Returns
+    -------
+    uint8 picture of ``head.size``
+    """
+    import cv2
+
+    depth = depth_map(head) if depth is None else depth
+    down, across = np.indices(depth.shape)
+    places = np.stack([across.ravel(), down.ravel()], axis=1)[None]
+    seen = to_image(places, pose, head, depth.ravel()).astype(np.float32).reshape(*depth.shape, 2)
+    return cv2.remap(frame, seen[..., 0], seen[..., 1], cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
+
+
 def _depths(head: HeadModel, model: np.ndarray | None, count: int) -> np.ndarray:
     model = head.points3d if model is None else np.asarray(model, float)
     depth = model[:, 2] if model.ndim == 2 else model
     if len(depth) != count:
         raise DataError(f"{count} points per frame, but depths for {len(depth)}; pass the model of these points.")
     return depth
-
-
-def _smooth(values: np.ndarray, deviation: float) -> np.ndarray:
-    from visualspeech.face.landmarks import smooth
-
-    return smooth(values, deviation)

@@ -1,0 +1,218 @@
+"""Screening: recordings whose picture is broken, although they can be decoded.
+
+One broken clip in the validation set is enough to disturb early stopping, so a clip is judged before anything learns
+from it: by its pictures (grey, frozen or jumping frames, as damaged streams give), by its landmarks (jumps) and by its
+pose (rigid points that do not stay rigid). The limits were set on GRID, where the broken clips stand well apart; the
+figures are printed by ``benchmarks/landmarks_grid.py``.
+"""
+
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from visualspeech.errors import RejectedUtterance
+from visualspeech.face.head import HeadModel
+from visualspeech.face.landmarks import Landmarks, LandmarkSettings, longest_run, track
+
+REMEDY = "Play the recording; copy or convert it again from its source, or leave it out."
+# Pictures are compared at this size: coding noise averages out, broken blocks do not.
+SMALL = (90, 72)
+
+
+@dataclass(frozen=True)
+class ScreeningSettings:
+    """Limits beyond which a recording counts as broken.
+
+    Parameters
+    ----------
+    flat_deviation : standard deviation in grey levels below which a frame shows nothing
+    flat_frames : frames that show nothing, at most
+    frozen : seconds of identical frames on end, at most
+    jump_ratio, jump_levels : change of the picture from one frame to the next, as a multiple of the changes around it
+        and in mean grey levels; a frame beyond both jumps
+    step_ratio, step_share : the same for the mean step of the landmarks, as a multiple of those around it and as a
+        share of the width of the face
+    rigid_share : RMS movement of the rigid points after normalisation, as a share of the width of the face
+    rigid_ratio : the same as a multiple of the median over the speaker's utterances
+    """
+
+    flat_deviation: float = 4.0
+    flat_frames: int = 0
+    frozen: float = 0.4
+    jump_ratio: float = 4.5
+    jump_levels: float = 1.5
+    step_ratio: float = 3.0
+    step_share: float = 0.035
+    rigid_share: float = 0.007
+    rigid_ratio: float = 1.8
+
+
+@dataclass(frozen=True)
+class PictureMeasures:
+    """What the pictures of one recording are like.
+
+    Parameters
+    ----------
+    deviation : (T,) standard deviation of each frame in grey levels
+    change : (T,) mean absolute difference to the frame before in grey levels, 0 for the first
+    """
+
+    deviation: np.ndarray
+    change: np.ndarray
+
+
+class FrameWatch:
+    """Measures frames while they pass: ``watch = FrameWatch(); track(watch.through(frames)); watch.measures()``."""
+
+    def __init__(self) -> None:
+        self._deviation, self._change, self._last = [], [], None
+
+    def through(self, frames: Iterable[np.ndarray]) -> Iterator[np.ndarray]:
+        """Yield the frames, (height, width, 3) uint8 RGB, unchanged."""
+        import cv2
+
+        for frame in frames:
+            # Shrunk first: the mean of the colours does for grey here and costs next to nothing.
+            small = cv2.resize(frame, SMALL, interpolation=cv2.INTER_AREA).mean(axis=2)
+            self._deviation.append(small.std())
+            self._change.append(0.0 if self._last is None else np.abs(small - self._last).mean())
+            self._last = small
+            yield frame
+
+    def measures(self) -> PictureMeasures:
+        """The measures of the frames that have passed."""
+        return PictureMeasures(np.array(self._deviation), np.array(self._change))
+
+
+def track_screened(
+    frames: Iterable[np.ndarray],
+    rate: float,
+    landmark_settings: LandmarkSettings | None = None,
+    settings: ScreeningSettings | None = None,
+) -> Landmarks:
+    """Track the face of one recording (see :func:`visualspeech.face.landmarks.track`) and judge it.
+
+    Raises
+    ------
+    RejectedUtterance
+        No usable face, or a broken recording; what is wrong with the pictures is named rather than that they show no
+        face.
+    """
+    settings = settings or ScreeningSettings()
+    watch = FrameWatch()
+    try:
+        landmarks = track(watch.through(frames), landmark_settings, rate)
+    except RejectedUtterance:
+        check_pictures(watch.measures(), rate, settings)
+        raise
+    check_pictures(watch.measures(), rate, settings)
+    check_points(landmarks.points, settings)
+    return landmarks
+
+
+def check_pictures(measures: PictureMeasures, rate: float, settings: ScreeningSettings | None = None) -> None:
+    """Judge the pictures of one recording at ``rate`` Hz.
+
+    Raises
+    ------
+    RejectedUtterance
+        Frames that show nothing, a frozen picture, or a picture that jumps.
+    """
+    settings = settings or ScreeningSettings()
+    flat = int((measures.deviation < settings.flat_deviation).sum())
+    if flat > settings.flat_frames:
+        raise RejectedUtterance(f"{flat} frames show nothing but one colour", REMEDY)
+    frozen = longest_run(measures.change[1:] < 1e-3) / rate
+    if frozen > settings.frozen:
+        raise RejectedUtterance(f"the picture stands still for {frozen:.2f} s", REMEDY)
+    ratio = isolated(measures.change)
+    jumps = np.flatnonzero((ratio > settings.jump_ratio) & (measures.change > settings.jump_levels))
+    if len(jumps):
+        raise RejectedUtterance(
+            f"the picture jumps at {jumps[0] / rate:.2f} s ({ratio[jumps[0]]:.0f} times the change of the frames "
+            "around: damaged frames, or a cut)",
+            REMEDY,
+        )
+
+
+def check_points(points: np.ndarray, settings: ScreeningSettings | None = None) -> None:
+    """Judge the landmarks of one recording, (T, 68, 2) image pixels.
+
+    Raises
+    ------
+    RejectedUtterance
+        The face jumps from one frame to the next.
+    """
+    settings = settings or ScreeningSettings()
+    step = landmark_steps(points)
+    jumps = np.flatnonzero((step > settings.step_share) & (isolated(step) > settings.step_ratio))
+    if len(jumps):
+        raise RejectedUtterance(
+            f"the landmarks jump by {step[jumps].max():.0%} of the face's width in frame {jumps[0]}", REMEDY
+        )
+
+
+def check_pose(error: float, head: HeadModel, settings: ScreeningSettings | None = None) -> None:
+    """Judge how rigid the rigid points are: ``error`` as from :func:`visualspeech.face.pose.rigid_error`, in pixels.
+
+    Raises
+    ------
+    RejectedUtterance
+        They move too much: the face is covered, badly seen, or not a face.
+    """
+    settings = settings or ScreeningSettings()
+    width = float(np.ptp(head.points3d[:, 0]))
+    if error > settings.rigid_share * width:
+        raise RejectedUtterance(
+            f"nose and eyes move by {error:.2f} px against each other after head-pose normalisation "
+            f"({settings.rigid_share * width:.2f} px are allowed)",
+            "See whether the face is covered, blurred or turned away; " + REMEDY[0].lower() + REMEDY[1:],
+        )
+
+
+def screen(
+    errors: Mapping[str, float], settings: ScreeningSettings | None = None, least: int = 10
+) -> dict[str, RejectedUtterance]:
+    """Utterances whose rigid points move far more than is usual for the speaker.
+
+    Parameters
+    ----------
+    errors : RMS movement of the rigid points after normalisation by utterance id, in pixels
+    least : with fewer utterances nothing is usual yet, and none is refused
+    """
+    settings = settings or ScreeningSettings()
+    if len(errors) < least:
+        return {}
+    usual = float(np.median(list(errors.values())))
+    return {
+        name: RejectedUtterance(
+            f"nose and eyes move by {error:.2f} px after head-pose normalisation, {error / usual:.1f} times the usual",
+            REMEDY,
+        )
+        for name, error in sorted(errors.items())
+        if error > settings.rigid_ratio * usual
+    }
+
+
+def landmark_steps(points: np.ndarray) -> np.ndarray:
+    """Mean step (T,) of the landmarks (T, 68, 2) since the frame before, as a share of the width of the face."""
+    width = np.median(np.ptp(points[..., 0], axis=1))
+    step = np.linalg.norm(np.diff(points, axis=0), axis=2).mean(1) / max(float(width), 1e-9)
+    return np.concatenate([[0.0], step])
+
+
+def isolated(values: np.ndarray, reach: int = 4) -> np.ndarray:
+    """Each value of (T,) as a multiple of the median of those up to ``reach`` frames around it.
+
+    A head that moves fast changes many frames; a broken one changes one.
+    """
+    if len(values) < 3:
+        return np.zeros(len(values))
+    padded = np.concatenate([np.full(reach, np.nan), [np.nan], values[1:], np.full(reach, np.nan)])
+    windows = np.lib.stride_tricks.sliding_window_view(padded, 2 * reach + 1).copy()
+    windows[:, reach] = np.nan
+    usual = np.nanmedian(windows, axis=1)
+    # Where almost nothing moves any change would be a large multiple.
+    floor = max(0.5 * float(np.median(values[1:])), 1e-9)
+    return values / np.maximum(usual, floor)
