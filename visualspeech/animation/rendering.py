@@ -1,0 +1,336 @@
+"""A talking head: a synthetic lower face stitched onto the recorded one, frame by frame.
+
+The recording keeps its head, eyes, hair and background. In every frame its jaw and cheeks are bent to where the target
+has them (:mod:`visualspeech.animation.warping`), and the target's texture is painted over mouth and chin by the
+piecewise-affine warp of the appearance model. The painting fades out between the lips and the jaw line, and between
+the upper lip and the nose; its colours are brought to those of the recording along that seam by an offset that varies
+slowly over the face and is smoothed in time, for an offset found in each frame by itself would flicker.
+"""
+
+from collections import deque
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+from itertools import repeat
+
+import numpy as np
+
+from visualspeech.animation.warping import backward_map
+from visualspeech.errors import DataError, SettingError
+from visualspeech.face.aam.points import (
+    JAW,
+    NOSE,
+    OUTER_LIPS,
+    POINTS,
+    SELECTION,
+    TRIANGLES,
+    lower_face,
+    to_points,
+)
+from visualspeech.face.aam.reference import Reference, sample_texture, texture_picture, triangle_map
+from visualspeech.face.head import HeadModel
+from visualspeech.face.landmarks import smooth
+from visualspeech.face.pose import Pose, to_frontal, to_image
+
+FOLLOWS = np.ones(POINTS)
+FOLLOWS[[0, 1, 15, 16, 46, 47]] = 0.0
+FOLLOWS[[2, 14]] = 0.5
+FOLLOWS[NOSE] = 0.0
+"""How far each of the 51 points goes with the target: speech moves neither nose nor temples, and what a model says of
+them is noise; they stay where they were recorded."""
+
+_CONTROLS = np.r_[JAW, NOSE, OUTER_LIPS, 46:POINTS]
+_PAINTED = np.array([*range(2, 15), 25, 24, 23, 22, 21])  # outline of what is painted: jaw line and base of the nose
+
+
+@dataclass(frozen=True)
+class RenderSettings:
+    """How a face is stitched.
+
+    Parameters
+    ----------
+    opaque : share of the way from the border of the painted region to the lips at which it becomes opaque; smaller is
+        a narrower seam (0..1)
+    reach : how far around the jaw the recording gives way, as a share of the width of the face
+    point_smoothing : standard deviation in frames of the Gaussian over the recorded jaw and cheeks: tracking noise in
+        them would shake the warped surroundings
+    colour_smoothing : standard deviation in frames of the Gaussian over the colour offset; 0 for none
+    colour_limit : largest colour offset in grey levels
+    """
+
+    opaque: float = 0.6
+    reach: float = 0.6
+    point_smoothing: float = 1.0
+    colour_smoothing: float = 2.0
+    colour_limit: float = 60.0
+
+    def __post_init__(self) -> None:
+        if not 0 < self.opaque <= 1:
+            raise SettingError(f"opaque is {self.opaque!r}; give a share above 0, up to 1 (0.6 serves).")
+        if not 0.2 <= self.reach <= 2:
+            raise SettingError(f"reach is {self.reach!r}; give a share of the face's width from 0.2 to 2 (0.6 serves).")
+        for name in ("point_smoothing", "colour_smoothing", "colour_limit"):
+            if not getattr(self, name) >= 0:
+                raise SettingError(f"{name} is {getattr(self, name)!r}; give a number of 0 or more.")
+
+
+@dataclass(frozen=True)
+class Placement:
+    """Where the lower face is in the frames of one utterance, in pixels of the recording.
+
+    Parameters
+    ----------
+    recorded : (T, 51, 2) where it was recorded
+    target : (T, 51, 2) where it is to be
+    """
+
+    recorded: np.ndarray
+    target: np.ndarray
+
+    def __len__(self) -> int:
+        return len(self.recorded)
+
+
+def place(
+    landmarks: np.ndarray, shape: np.ndarray, pose: Pose, head: HeadModel, settings: RenderSettings | None = None
+) -> Placement:
+    """Put frontal target shapes back onto the recorded head.
+
+    Parameters
+    ----------
+    landmarks : (T, 68, 2) recorded landmarks in image pixels
+    shape : (T, 102) target shape vectors (Fan 2015, Eq. 1) in pixels of the normalised face, with the drift of the
+        utterance put back
+    pose : of these T frames
+
+    Raises
+    ------
+    DataError
+        Landmarks, shapes and poses are not of one length.
+    """
+    settings = settings or RenderSettings()
+    if not len(landmarks) == len(shape) == len(pose):
+        raise DataError(f"{len(landmarks)} frames of landmarks, {len(shape)} target shapes, {len(pose)} poses")
+    depth = (SELECTION @ head.points3d)[:, 2]
+    # Smoothed in the normalised face, where the head's own movement is not smoothed with it.
+    frontal = to_frontal(lower_face(np.asarray(landmarks, np.float64)), pose, head, depth)
+    recorded = smooth(frontal, settings.point_smoothing)
+    target = recorded + FOLLOWS[:, None] * (to_points(np.asarray(shape, np.float64)) - recorded)
+    return Placement(to_image(recorded, pose, head, depth), to_image(target, pose, head, depth))
+
+
+@dataclass(frozen=True)
+class Stitching:
+    """What all frames of a speaker share; made by :func:`prepare`.
+
+    Parameters
+    ----------
+    opacity : (height, width) float32, of the texture grid: 1 on the lips, 0 at the border of what is painted
+    basis : (U, 6) float32, slowly varying functions over the texture's pixels (a quadratic in x and y)
+    fit : (6, U) float32, the least-squares fit of these functions to a texture along the seam
+    """
+
+    reference: Reference
+    opacity: np.ndarray
+    basis: np.ndarray
+    fit: np.ndarray
+    settings: RenderSettings
+
+
+def prepare(reference: Reference, settings: RenderSettings | None = None) -> Stitching:
+    """Maps in the texture grid that serve every frame."""
+    import cv2
+
+    settings = settings or RenderSettings()
+    grid = reference.grid_shape
+    size = reference.nearest.shape
+
+    def distance_from(polygon: np.ndarray, inside: bool) -> np.ndarray:
+        filled = np.full(size, 0 if inside else 1, np.uint8)
+        corners = np.rint(polygon * 16).astype(np.int32)
+        cv2.fillPoly(filled, [corners], 1 if inside else 0, lineType=cv2.LINE_8, shift=4)
+        return cv2.distanceTransform(filled, cv2.DIST_L2, cv2.DIST_MASK_PRECISE)
+
+    to_border = distance_from(grid[_PAINTED], inside=True)
+    to_lips = distance_from(grid[OUTER_LIPS], inside=False)
+    rise = np.clip(to_border / np.maximum(to_border + to_lips, 1e-6) / settings.opaque, 0, 1)
+    opacity = (rise * rise * (3 - 2 * rise)).astype(np.float32)
+    rows, columns = reference.pixels.T
+    x = 2 * columns / size[1] - 1
+    y = 2 * rows / size[0] - 1
+    basis = np.stack([np.ones_like(x), x, y, x * x, x * y, y * y], axis=1)
+    seam = opacity[rows, columns] * (1 - opacity[rows, columns])
+    weighted = basis.T * seam
+    ridge = seam.sum() * np.diag([0, 1e-3, 1e-3, 1e-2, 1e-2, 1e-2])
+    fit = np.linalg.solve(weighted @ basis + ridge, weighted)
+    return Stitching(reference, opacity, basis.astype(np.float32), fit.astype(np.float32), settings)
+
+
+def colour_offset(frame: np.ndarray, recorded: np.ndarray, texture: np.ndarray, stitching: Stitching) -> np.ndarray:
+    """How the recording's colours differ from a texture's along the seam: coefficients (6, 3) of the basis.
+
+    Parameters
+    ----------
+    frame : (height, width, 3) uint8 RGB
+    recorded : (51, 2) the recorded lower face in this frame
+    texture : (3U,) target texture in grey levels
+    """
+    here = sample_texture(frame, recorded, stitching.reference).astype(np.float32)
+    return stitching.fit @ (here - np.asarray(texture, np.float32)).reshape(3, -1).T
+
+
+def stitch(
+    frame: np.ndarray,
+    recorded: np.ndarray,
+    target: np.ndarray,
+    texture: np.ndarray,
+    stitching: Stitching,
+    offset: np.ndarray | None = None,
+) -> np.ndarray:
+    """One frame with a synthetic lower face.
+
+    Parameters
+    ----------
+    frame : (height, width, 3) uint8 RGB, as recorded
+    recorded, target : (51, 2) the lower face in this frame as it is and as it shall be
+    texture : (3U,) target texture in grey levels (Eq. 4), any number type
+    offset : (6, 3) from :func:`colour_offset`, smoothed in time; by default that of this frame
+
+    Returns
+    -------
+    (height, width, 3) uint8, a new picture
+    """
+    import cv2
+
+    settings = stitching.settings
+    if offset is None:
+        offset = colour_offset(frame, recorded, texture, stitching)
+    wide = np.linalg.norm(recorded[JAW.stop - 1] - recorded[JAW.start])
+    reach = settings.reach * wide
+    picture = frame.copy()
+    low, high = _window(np.concatenate([recorded, target]), reach, frame.shape)
+    if (high <= low).any():
+        return picture
+    maps = backward_map(
+        tuple(low.tolist()),
+        tuple((high - low).tolist()),
+        target[_CONTROLS],
+        (target - recorded)[_CONTROLS],
+        reach,
+        stiffness=0.02,
+        step=max(2, round(wide / 30)),
+    )
+    moved = cv2.remap(frame, *maps, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
+    picture[low[1] : high[1], low[0] : high[0]] = moved
+    low, high = _window(target, 2, frame.shape)
+    if (high <= low).any():
+        return picture
+    region = picture[low[1] : high[1], low[0] : high[0]]
+    region[...] = _painted(region, target - low, texture, offset, stitching)
+    return picture
+
+
+def talking_head(
+    frames: Iterable[np.ndarray],
+    placement: Placement,
+    textures: Iterable[np.ndarray],
+    reference: Reference,
+    settings: RenderSettings | None = None,
+) -> Iterator[np.ndarray]:
+    """The frames of an utterance with synthetic lower faces, one at a time.
+
+    Holds as many frames as the smoothing of the colour offset looks ahead, whatever the length.
+
+    Parameters
+    ----------
+    frames : T recorded frames, (height, width, 3) uint8 RGB
+    placement : of these T frames
+    textures : T target textures (3U,) in grey levels, with the drift of the utterance put back
+
+    Raises
+    ------
+    DataError
+        There are not as many frames or textures as places.
+    """
+    stitching = prepare(reference, settings)
+    deviation = stitching.settings.colour_smoothing
+    ahead = int(np.ceil(2.5 * deviation))
+    limit = stitching.settings.colour_limit
+    waiting: deque = deque()
+    offsets: deque = deque(maxlen=2 * ahead + 1)
+    for index, (frame, texture) in enumerate(_paired(frames, textures, len(placement))):
+        if frame is not None:
+            texture = np.asarray(texture, np.float32)
+            waiting.append((index, frame, texture))
+            offsets.append((index, colour_offset(frame, placement.recorded[index], texture, stitching)))
+        if waiting and index >= waiting[0][0] + ahead:
+            now, frame, texture = waiting.popleft()
+            offset = np.clip(_smoothed(offsets, now, deviation), -limit, limit)
+            yield stitch(frame, placement.recorded[now], placement.target[now], texture, stitching, offset)
+        if frame is None and not waiting:
+            return
+
+
+def _paired(frames, textures, count: int) -> Iterator[tuple]:
+    """Frames with their textures, then empty pairs; the lengths are checked as they come to their end."""
+    missing = object()
+    frames, textures = iter(frames), iter(textures)
+    for index in range(count):
+        frame, texture = next(frames, missing), next(textures, missing)
+        if frame is missing or texture is missing:
+            what = "frames in the recording" if frame is missing else "target textures"
+            raise DataError(f"{index} {what}, but the lower face is placed in {count} frames")
+        yield frame, texture
+    if next(frames, missing) is not missing:
+        raise DataError(f"the recording has more than the {count} frames in which the lower face is placed")
+    yield from repeat((None, None))
+
+
+def _smoothed(offsets, now: int, deviation: float) -> np.ndarray:
+    if deviation == 0:
+        return next(values for index, values in offsets if index == now)
+    weights = np.array([np.exp(-0.5 * ((index - now) / deviation) ** 2) for index, _ in offsets], np.float32)
+    return np.tensordot(weights / weights.sum(), np.stack([values for _, values in offsets]), axes=1)
+
+
+def _window(points: np.ndarray, margin: float, shape) -> tuple[np.ndarray, np.ndarray]:
+    """First and one past the last (x, y) pixel of the points' box with a margin, inside the picture."""
+    size = np.array([shape[1], shape[0]])
+    low = np.clip(np.floor(points.min(axis=0) - margin), 0, size).astype(int)
+    high = np.clip(np.ceil(points.max(axis=0) + margin) + 1, 0, size).astype(int)
+    return low, high
+
+
+def _painted(region: np.ndarray, points: np.ndarray, texture, offset: np.ndarray, stitching: Stitching) -> np.ndarray:
+    """A picture with a texture painted at the given points, as opaque as the stitching says."""
+    import cv2
+
+    reference = stitching.reference
+    coloured = np.asarray(texture, np.float32).reshape(3, -1).T + stitching.basis @ offset.astype(np.float32)
+    colours = texture_picture(np.clip(coloured, 0, 255).T.reshape(-1), reference)
+    layers = np.dstack([colours, stitching.opacity])
+    x, y = _texture_places(points, reference, *region.shape[:2])
+    layers = cv2.remap(layers, x, y, cv2.INTER_LINEAR, borderMode=cv2.BORDER_CONSTANT)
+    below = region.astype(np.float32)
+    mixed = below + layers[..., 3:] * (layers[..., :3] - below)
+    return np.clip(np.rint(mixed), 0, 255).astype(np.uint8)
+
+
+def _texture_places(points: np.ndarray, reference: Reference, height: int, width: int) -> tuple[np.ndarray, np.ndarray]:
+    """Of each pixel its place in the texture grid (x and y maps, float32); far outside where there is no face."""
+    index = triangle_map(points, height, width)
+    a, b, c = np.moveaxis(np.asarray(points, np.float64)[TRIANGLES], 1, 0)
+    edges = np.stack([b - a, c - a], axis=2)
+    flat = np.abs(np.linalg.det(edges)) < 1e-6
+    edges[flat] = np.eye(2)
+    u, v, w = np.moveaxis(reference.grid_shape[TRIANGLES], 1, 0)
+    linear = np.stack([v - u, w - u], axis=2) @ np.linalg.inv(edges)
+    constant = u - np.einsum("nij,nj->ni", linear, a)
+    # The last row is for pixels without a triangle (index -1).
+    table = np.concatenate([linear, constant[:, :, None]], axis=2)
+    table = np.concatenate([table, [[[0, 0, -9], [0, 0, -9]]]]).astype(np.float32)
+    columns = np.arange(width, dtype=np.float32)[None]
+    rows = np.arange(height, dtype=np.float32)[:, None]
+    return tuple(
+        table[:, axis, 0][index] * columns + table[:, axis, 1][index] * rows + table[:, axis, 2][index]
+        for axis in (0, 1)
+    )
