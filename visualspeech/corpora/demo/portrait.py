@@ -1,0 +1,207 @@
+"""The demo speaker's face: nobody's, made from a public-domain photograph.
+
+The photograph is :func:`skimage.data.astronaut` (NASA, public domain). It is mirrored, made symmetric and brought to
+other proportions (eye distance, nose, jaw, mouth, hair line) by a thin-plate warp; the smile is closed, lips, brows,
+hair, skin and iris are coloured anew; clothes and backdrop are painted. What is left of the photograph is its texture.
+
+Canonical pixels: the output picture of 320 x 360 with the head facing the camera. The head is kept at twice that.
+"""
+
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+
+from visualspeech.corpora.demo import painting
+from visualspeech.corpora.demo.warp import evaluate, grid, thin_plate
+
+WIDTH, HEIGHT = 320, 360
+SCALE = 2  # pixels of the kept pictures for one canonical pixel
+MIDDLE = 159.5
+
+# The 68 iBUG points in the photograph, pixels of its upper left 300 x 300 part from column 60 on.
+_JAW = "119.7 104 120 115.3 121 127 122 138 125 150 131 160 140 168.5 150 175.5 163 178 173 177 184 171 194 163 201 154"
+_JAW += " 205.5 143 208.5 131 211 120 212.5 108"
+_BROWS = "129 90.5 134 88.5 140 88 147 90.5 154 93 178 93.5 185 92.5 192 92.5 198 93.5 203 96.5"
+_NOSE = "164.5 102.5 164.5 111 164.5 119 164.5 127 155 130.5 159.5 132.5 164.5 134 169.5 133 174.5 131.5"
+_EYES = (
+    "132 101.5 137.5 97.2 146 97.4 153 104 147 105 139 104.6 175.5 105 182 99.5 190 99.7 198.5 104.5 191 107 183 107"
+)
+_OUTER = "143.5 140 149 139.5 157.5 139.8 164 140.6 170.5 139.8 179 139.6 184.5 140.3 177.5 152.3 170 156 164 156.5"
+_OUTER += " 157 155.5 150 151"
+_INNER = "144.5 140.6 156 142.8 164 143.8 172 143 183.5 140.8 172 148.8 164 149.6 156 149"
+_SOURCE = np.array(" ".join([_JAW, _BROWS, _NOSE, _EYES, _OUTER, _INNER]).split(), float).reshape(68, 2)
+# Outline of the head above the jaw, from one ear lobe over the hair to the other, and the hair line on the forehead.
+_HAIR = (
+    "116 131 112 126 104 110 95 84 94 68 100 55 113 43 128 38 133 30 147 20 166 16 182 15.5 200 21 220 33 233 50 240 70"
+)
+_HAIR = np.array((_HAIR + " 241 87 235 107 226 124 216 136").split(), float).reshape(-1, 2)
+_HAIRLINE = np.array("123 110 126 88 130 76 141 79 152 80 164 81 176 82 188 83 199 85 206 91 210 104".split(), float)
+_HAIRLINE = _HAIRLINE.reshape(-1, 2)
+
+# The canonical face: its left half as distance from the middle and height, mirrored for the other half.
+_HALF_JAW = [(75, 150), (75, 170), (73.5, 190), (70.5, 210), (65, 229), (55.5, 246), (41, 261), (23, 272), (0, 276.5)]
+_HALF_BROW = [(59, 135), (51, 128), (40, 126), (28, 128), (17, 132)]
+_HALF_EYE = [(54, 152), (45, 145.0), (34, 144.5), (23, 153), (33, 156.5), (44, 156.5)]
+_HALF_NOSE = [(17.5, 203), (9, 206.5)]
+_BRIDGE = [(0, 152), (0, 166), (0, 180), (0, 194)]
+_HALF_UPPER = [(27, 231.5), (18, 225.5), (8, 221.8), (0, 223.2)]
+_HALF_LOWER = [(18, 240.5), (9, 244.8), (0, 245.8)]
+SEAM_BEND = 1.3
+_HAIR_TARGET = np.array(
+    "81 190 77 184 64 160 55 128 53 106 60 84 78 64 98 52 108 42 126 31 152 26 174 25 202 32 228 46 248 68 260 96 "
+    "264 122 256 158 244 184 238 196".split(),
+    float,
+).reshape(-1, 2)
+_HAIRLINE_TARGET = np.array(
+    "86 158 89 128 97 98 113 91 130 88 148 88 167 89 188 90 210 97 226 126 233 152".split(), float
+).reshape(-1, 2)
+
+
+def _mirrored(half: list[tuple[float, float]]) -> tuple[np.ndarray, np.ndarray]:
+    points = np.array(half, float)
+    return points * [-1, 1] + [MIDDLE, 0], points + [MIDDLE, 0]
+
+
+def neutral_points() -> np.ndarray:
+    """The 68 points (iBUG order) of the canonical face with the mouth closed, canonical pixels, shape (68, 2)."""
+    left, right = _mirrored(_HALF_JAW)
+    jaw = np.concatenate([left, right[-2::-1]])
+    left, right = _mirrored(_HALF_BROW)
+    brows = np.concatenate([left, right[::-1]])
+    left, right = _mirrored(_HALF_NOSE)
+    nose = np.concatenate([np.array(_BRIDGE, float) + [MIDDLE, 0], left, [[MIDDLE, 208.5]], right[::-1]])
+    left, right = _mirrored(_HALF_EYE)
+    eyes = np.concatenate([left, right[[3, 2, 1, 0, 5, 4]]])
+    upper_left, upper_right = _mirrored(_HALF_UPPER)
+    lower_left, lower_right = _mirrored(_HALF_LOWER)
+    outer = np.concatenate([upper_left, upper_right[-2::-1], lower_right, lower_left[-2::-1]])
+    x = MIDDLE + np.array([-24.5, -11, 0, 11, 24.5, 11, 0, -11])
+    inner = np.stack([x, seam(x)], axis=1)
+    return np.concatenate([jaw, brows, nose, eyes, outer, inner])
+
+
+def seam(x: np.ndarray) -> np.ndarray:
+    """Height of the line where the closed lips meet, at canonical columns ``x``."""
+    return 231.5 + SEAM_BEND * (1.0 - ((x - MIDDLE) / 27.0) ** 2)
+
+
+@dataclass(frozen=True)
+class Portrait:
+    """The pictures that every frame is made of.
+
+    Parameters
+    ----------
+    head : (SCALE * HEIGHT, SCALE * WIDTH, 4) uint8, RGB and coverage of the head, mouth and eyes as they rest
+    backdrop, body : (HEIGHT, WIDTH, 3 and 4) uint8, what is behind the head; the body has coverage too
+    """
+
+    head: np.ndarray
+    backdrop: np.ndarray
+    body: np.ndarray
+
+
+@lru_cache(maxsize=1)
+def portrait() -> Portrait:
+    """Make the pictures (once a process, about a second)."""
+    import cv2
+    import skimage.data
+
+    photograph = np.ascontiguousarray(skimage.data.astronaut()[:300, 60:360]).astype(np.float32)
+    maps = _source_maps()
+    coverage = _remap(cv2, _coverage(cv2, photograph), maps)
+    colours = _remap(cv2, photograph, maps)
+    hair, skin = _regions(cv2, colours)
+    colours = _recoloured(cv2, colours, hair, skin)
+    colours = painting.made_up(colours, neutral_points(), seam, SCALE)
+    head = np.dstack([colours, 255.0 * coverage])[:, ::-1]  # mirrored
+    backdrop, body = painting.surroundings(WIDTH, HEIGHT)
+    return Portrait(np.ascontiguousarray(np.clip(head + 0.5, 0, 255)).astype(np.uint8), backdrop, body)
+
+
+def _remap(cv2, picture: np.ndarray, maps: np.ndarray) -> np.ndarray:
+    x, y = np.ascontiguousarray(maps[..., 0]), np.ascontiguousarray(maps[..., 1])
+    return cv2.remap(picture, x, y, cv2.INTER_CUBIC, borderMode=cv2.BORDER_REPLICATE)
+
+
+def canonical_coordinates() -> tuple[np.ndarray, np.ndarray]:
+    """Canonical column and row of every pixel of the kept head picture, each (SCALE * HEIGHT, SCALE * WIDTH)."""
+    x = (np.arange(SCALE * WIDTH, dtype=np.float32) + 0.5) / SCALE - 0.5
+    y = (np.arange(SCALE * HEIGHT, dtype=np.float32) + 0.5) / SCALE - 0.5
+    return np.broadcast_to(x, (len(y), len(x))), np.broadcast_to(y[:, None], (len(y), len(x)))
+
+
+def above_seam(x: np.ndarray, y: np.ndarray, sharp: float = 1.0) -> np.ndarray:
+    """How far a point belongs to the part above the mouth, 0 to 1: sharp between the lips, soft beside them."""
+    beside = np.maximum(np.abs(x - MIDDLE) - 27.0, 0.0)
+    return np.clip(0.5 - (y - seam(np.clip(x, MIDDLE - 40, MIDDLE + 40))) / (sharp + 0.8 * beside), 0.0, 1.0)
+
+
+def _source_maps() -> np.ndarray:
+    """Photograph coordinates of every head pixel, (rows, columns, 2) float32."""
+    import cv2
+
+    points = neutral_points()
+    parts = {
+        "upper": [*range(0, 55), *range(60, 65)],
+        "lower": [*range(0, 49), *range(54, 61), *range(64, 68)],
+    }
+    x, y = canonical_coordinates()
+    places, rows, columns = grid(-4, -4, WIDTH + 4, HEIGHT + 4, 4)
+    fields = []
+    for own in parts.values():
+        target = np.concatenate([points[own], _HAIR_TARGET, _HAIRLINE_TARGET])
+        source = np.concatenate([_SOURCE[own], _HAIR, _HAIRLINE])
+        coarse = evaluate(thin_plate(target, source, 4.0), target, places).reshape(rows, columns, 2)
+        at = [np.ascontiguousarray((axis + 4) / 4, dtype=np.float32) for axis in (x, y)]
+        fields.append(cv2.remap(coarse.astype(np.float32), *at, cv2.INTER_CUBIC, borderMode=cv2.BORDER_REPLICATE))
+    share = above_seam(x, y, 0.5)[..., None]
+    return (share * fields[0] + (1 - share) * fields[1]).astype(np.float32)
+
+
+def _coverage(cv2, photograph: np.ndarray) -> np.ndarray:
+    """Coverage 0..1 of the head in the photograph: a hand-drawn outline, its border found by the backdrop's colour."""
+    outline = np.concatenate([_HAIR, _SOURCE[16:0:-1]])
+    inside = np.zeros(photograph.shape[:2], np.uint8)
+    cv2.fillPoly(inside, [np.round(outline * 16).astype(np.int32)], 255, cv2.LINE_AA, 4)
+    drawn = cv2.GaussianBlur(cv2.erode(inside, np.ones((3, 3), np.uint8)).astype(np.float32) / 255, (0, 0), 0.8)
+    wide = cv2.dilate(inside, np.ones((9, 9), np.uint8)).astype(np.float32) / 255
+    outside = 1.0 - cv2.dilate(inside, np.ones((15, 15), np.uint8)).astype(np.float32) / 255
+    weight = cv2.GaussianBlur(outside, (0, 0), 12) + 1e-3
+    behind = cv2.GaussianBlur(photograph * outside[..., None], (0, 0), 12) / weight[..., None]
+    different = np.clip((np.abs(photograph - behind).max(axis=2) - 14) / 40, 0, 1)
+    core = cv2.erode(inside, np.ones((7, 7), np.uint8)).astype(np.float32) / 255
+    found = np.maximum(core, np.minimum(wide, different))
+    # The jaw and the ears stand before the suit and the neck: there the drawing decides.
+    y = np.arange(len(found))[:, None]
+    low = np.clip((y - 95) / 20.0, 0, 1)
+    return ((1 - low) * found + low * drawn).astype(np.float32)
+
+
+def _regions(cv2, colours: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Soft masks 0..1 of hair and skin on the head picture."""
+    points = neutral_points()
+    face = np.concatenate([points[0:17], _HAIRLINE_TARGET[::-1]])
+    mask = np.zeros(colours.shape[:2], np.uint8)
+    cv2.fillPoly(mask, [np.round((face * SCALE + 0.5) * 16).astype(np.int32)], 255, cv2.LINE_AA, 4)
+    soft = cv2.GaussianBlur(mask.astype(np.float32) / 255, (0, 0), 5)
+    # Skin is redder and lighter than hair; it decides near the drawn border.
+    smooth = cv2.GaussianBlur(colours, (0, 0), 1.5)
+    likeness = np.clip((smooth[..., 0] - 150) / 50, 0, 1)
+    near = 4 * soft * (1 - soft)
+    skin = (1 - near) * soft + near * likeness
+    x, y = canonical_coordinates()
+    # Below the hair there are only cheeks, ears and jaw, up to the border.
+    low = np.clip((y - 178) / 8, 0, 1) * np.maximum(np.clip((y - 196) / 6, 0, 1), likeness)
+    skin = np.maximum(skin, low).astype(np.float32)
+    return 1.0 - skin, skin
+
+
+def _recoloured(cv2, colours: np.ndarray, hair: np.ndarray, skin: np.ndarray) -> np.ndarray:
+    grey = colours @ np.array([0.3, 0.59, 0.11], np.float32)
+    detail = grey - cv2.GaussianBlur(grey, (0, 0), 12)
+    dark = (18 + 0.22 * grey + 0.30 * detail)[..., None] * np.array([1.12, 0.97, 0.88], np.float32)
+    smooth = cv2.bilateralFilter(colours, 9, 18, 5)
+    tanned = smooth * np.array([0.90, 0.83, 0.74], np.float32) + np.array([4, 2, 4], np.float32)
+    tanned = 128 + 1.06 * (tanned - 128)
+    return hair[..., None] * dark + skin[..., None] * tanned

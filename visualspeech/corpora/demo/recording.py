@@ -1,0 +1,210 @@
+"""Recordings of the demo speaker: video with sound, the transcript beside it, and the truth in a file apart."""
+
+import zlib
+from collections.abc import Iterable
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from visualspeech.corpora.demo.articulation import PARAMETERS
+from visualspeech.corpora.records import Utterance
+from visualspeech.errors import SettingError
+from visualspeech.jobs import progress
+from visualspeech.storage import ArrayReader, ArrayWriter, write_text
+from visualspeech.timing import frame_times, frames_in
+
+SILENCE = "sil"
+CONSENT = (
+    "The face is nobody's: made by rule from a public-domain photograph and no longer that person's; "
+    "the voice is synthetic. Free to use."
+)
+
+
+@dataclass(frozen=True)
+class DemoSettings:
+    """How the demo corpus is recorded.
+
+    Parameters
+    ----------
+    seed : of head movement, blinks, light and noise
+    rate : frames a second
+    words_a_minute, pitch : of the voice
+    lead : seconds of quiet noise before and after the speech
+    noise : its standard deviation in steps of 16-bit sound
+    size : how wide the speaker opens the mouth; 1 is the habit
+    """
+
+    seed: int = 1
+    rate: float = 25.0
+    words_a_minute: int = 160
+    pitch: int = 45
+    lead: float = 0.2
+    noise: float = 5.0
+    size: float = 1.0
+
+    def __post_init__(self) -> None:
+        for name, least, most in (("rate", 5, 120), ("lead", 0, 5), ("noise", 0, 1000), ("size", 0, 1.5)):
+            if not least <= getattr(self, name) <= most:
+                raise SettingError(
+                    f"`{name}` of the demo corpus is {getattr(self, name)!r}; give a number from {least} to {most}."
+                )
+
+
+@dataclass(frozen=True)
+class Truth:
+    """What a recording holds, known because it was made.
+
+    Parameters
+    ----------
+    parameters : (T, 6) mouth parameters, in the order of ``articulation.PARAMETERS``
+    points : (T, 68, 2) image points, pixels, iBUG order
+    frontal : (T, 68, 2) the same of the head without pose, canonical pixels
+    rotation : (T, 3) Rodrigues vectors; translation : (T, 3) canonical pixels
+    closed_eyes : (T,) 0 open to 1 closed
+    phones, words : (label, start, end) in seconds of the recording; phones follow each other from 0 to the end
+    duration : seconds
+    """
+
+    parameters: np.ndarray
+    points: np.ndarray
+    frontal: np.ndarray
+    rotation: np.ndarray
+    translation: np.ndarray
+    closed_eyes: np.ndarray
+    phones: tuple[tuple[str, float, float], ...]
+    words: tuple[tuple[str, float, float], ...]
+    duration: float
+
+
+def record_shard(
+    utterances: Iterable[Utterance],
+    folder: str | Path,
+    truth_path: str | Path,
+    settings: DemoSettings | None = None,
+) -> None:
+    """Record utterances: ``folder/id.mp4`` and ``folder/id.txt`` of each, and one file with the truth of all.
+
+    Raises
+    ------
+    StorageError
+        Something cannot be written.
+    """
+    from visualspeech.corpora.demo.listing import media_path
+
+    utterances = list(utterances)
+    settings = settings or DemoSettings()
+    Path(folder).mkdir(parents=True, exist_ok=True)
+    renderer = None
+    with ArrayWriter(truth_path, kind="truth of the demo corpus", width=320, height=360) as out:
+        for utterance in progress(utterances, len(utterances), "recordings"):
+            if renderer is None:
+                from visualspeech.corpora.demo.rendering import Renderer
+
+                renderer = Renderer()
+            truth = record(utterance, media_path(folder, utterance.id), settings, renderer)
+            add_truth(out, utterance.id, truth, settings.rate)
+
+
+def record(utterance: Utterance, path: str | Path, settings: DemoSettings | None = None, renderer=None) -> Truth:
+    """Record one utterance at ``path`` (MP4), its transcript beside it as ``.txt``; returns the truth.
+
+    Parameters
+    ----------
+    renderer : a :class:`visualspeech.corpora.demo.rendering.Renderer` to use again; made where there is none
+    """
+    from visualspeech.corpora.demo import articulation, motion
+    from visualspeech.corpora.demo.rendering import Renderer, image_points
+    from visualspeech.media import write_video
+    from visualspeech.speech.tts import synthesise
+
+    settings = settings or DemoSettings()
+    renderer = renderer or Renderer()
+    random = np.random.default_rng([settings.seed, zlib.crc32(utterance.id.encode())])
+    speech = synthesise(utterance.transcript, rate_wpm=settings.words_a_minute, pitch=settings.pitch)
+    samples, phones, words = _padded(speech, settings, random)
+    duration = len(samples) / speech.rate
+    times = frame_times(frames_in(duration, settings.rate), settings.rate)
+    parameters = articulation.movement(phones, times, settings.size)
+    moves = motion.draw(times, random)
+    points = [image_points(parameters[t], moves, t) for t in range(len(times))]
+    write_video(
+        path,
+        (renderer.frame(parameters[t], moves, t) for t in range(len(times))),
+        settings.rate,
+        samples.astype(np.float32) / 32768,
+        speech.rate,
+        {"comment": f"Synthetic speaker of the demo corpus. {CONSENT}", "title": utterance.id},
+    )
+    write_text(Path(path).with_suffix(".txt"), utterance.transcript + "\n")
+    return Truth(
+        parameters=parameters,
+        points=np.array([image for _, image in points]),
+        frontal=np.array([frontal for frontal, _ in points]),
+        rotation=moves.rotation,
+        translation=moves.translation,
+        closed_eyes=moves.closed_eyes,
+        phones=phones,
+        words=words,
+        duration=duration,
+    )
+
+
+def _padded(speech, settings: DemoSettings, random: np.random.Generator) -> tuple[np.ndarray, tuple, tuple]:
+    """The speech with quiet noise around and under it, to a whole number of frames; phones and words in its times."""
+    lead = int(round(settings.lead * speech.rate))
+    frames = int(np.ceil((len(speech.samples) + 2 * lead) / speech.rate * settings.rate))
+    total = int(round(frames / settings.rate * speech.rate))
+    sound = random.normal(0.0, settings.noise, total)
+    sound[lead : lead + len(speech.samples)] += 0.7 * speech.samples
+    offset, duration = lead / speech.rate, total / speech.rate
+    inner = [(phone, start + offset, end + offset) for phone, start, end in speech.phones]
+    phones = [(SILENCE, 0.0, inner[0][1]), *inner, (SILENCE, inner[-1][2], duration)]
+    joined: list[tuple[str, float, float]] = []
+    for phone, start, end in phones:
+        if joined and phone == SILENCE == joined[-1][0]:
+            joined[-1] = (SILENCE, joined[-1][1], end)
+        elif end > start:
+            joined.append((phone, start, end))
+    words = tuple((word, start + offset, end + offset) for word, start, end in speech.words)
+    return np.clip(np.round(sound), -32768, 32767).astype(np.int16), tuple(joined), words
+
+
+def add_truth(out: ArrayWriter, utterance_id: str, truth: Truth, rate: float) -> None:
+    """Write the truth of one utterance; labels of phones and words are attributes, separated by blanks."""
+    arrays = {
+        "parameters": truth.parameters,
+        "points": truth.points.astype(np.float32),
+        "frontal": truth.frontal.astype(np.float32),
+        "rotation": truth.rotation,
+        "translation": truth.translation,
+        "closed_eyes": truth.closed_eyes,
+        "phone_times": np.array([times for _, *times in truth.phones]),
+        "word_times": np.array([times for _, *times in truth.words]).reshape(-1, 2),
+    }
+    units = {"points": "px", "frontal": "px", "rotation": "rad", "translation": "px", "phone_times": "s"}
+    units |= {"word_times": "s"}
+    out.add(
+        utterance_id,
+        arrays,
+        rate,
+        units,
+        phones=" ".join(phone for phone, *_ in truth.phones),
+        words=" ".join(word for word, *_ in truth.words),
+        parameter_names=" ".join(PARAMETERS),
+        duration=truth.duration,
+    )
+
+
+def read_truth(reader: ArrayReader, utterance_id: str) -> Truth:
+    """What :func:`add_truth` wrote."""
+    arrays, attributes = reader[utterance_id], reader.attributes(utterance_id)
+    tiers = [
+        tuple(
+            (label, float(start), float(end))
+            for label, (start, end) in zip(attributes[name].split(), arrays[times], strict=True)
+        )
+        for name, times in (("phones", "phone_times"), ("words", "word_times"))
+    ]
+    names = ("parameters", "points", "frontal", "rotation", "translation", "closed_eyes")
+    return Truth(*(arrays[name] for name in names), *tiers, float(attributes["duration"]))

@@ -1,0 +1,133 @@
+"""Frames of the demo speaker."""
+
+import numpy as np
+
+from visualspeech.corpora.demo import camera, mouth
+from visualspeech.corpora.demo.motion import Motion
+from visualspeech.corpora.demo.portrait import HEIGHT, MIDDLE, SCALE, WIDTH, above_seam, portrait, seam
+from visualspeech.corpora.demo.warp import grid
+
+_STEP = 5
+_MARGIN = 5
+_EYES = ((37, 38, 40, 41, 36, 39), (43, 44, 46, 47, 42, 45))
+_LID_TRAVEL = 14.0
+
+
+def image_points(parameters: np.ndarray, motion: Motion, frame: int) -> tuple[np.ndarray, np.ndarray]:
+    """True places of the 68 points: in the canonical (frontal) picture and in the frame, each (68, 2) pixels."""
+    canonical = mouth.points(parameters)
+    for top_outer, top_inner, low_inner, low_outer, *_ in _EYES:
+        for top, low in ((top_outer, low_outer), (top_inner, low_inner)):
+            canonical[top, 1] += motion.closed_eyes[frame] * (canonical[low, 1] - canonical[top, 1])
+    return canonical, camera.project(canonical, motion.rotation[frame], motion.translation[frame])
+
+
+class Renderer:
+    """Draws frames; the pictures it needs are made once."""
+
+    def __init__(self) -> None:
+        import cv2
+
+        self._cv2 = cv2
+        made = portrait()
+        # Sampled at half its resolution: a little smoothing keeps the sampling free of shimmer.
+        self._head = cv2.GaussianBlur(made.head, (0, 0), 0.55)
+        cover = made.body[..., 3:] / 255.0
+        self._scene = (made.backdrop * (1 - cover) + made.body[..., :3] * cover).astype(np.uint8)
+        grain = np.random.default_rng(25).standard_normal((8, HEIGHT, WIDTH, 1), dtype=np.float32)
+        self._grain = 1.3 * grain
+        self._places, self._rows, self._columns = grid(
+            -_MARGIN, -_MARGIN, WIDTH + _MARGIN - 1 + _STEP, HEIGHT + _MARGIN - 1 + _STEP, _STEP
+        )
+        self._rest = made
+
+    def frame(self, parameters: np.ndarray, motion: Motion, index: int) -> np.ndarray:
+        """One frame, RGB uint8 (HEIGHT, WIDTH, 3).
+
+        Parameters
+        ----------
+        parameters : (6,) mouth parameters of this frame
+        motion : movement of the utterance
+        index : number of the frame
+        """
+        cv2 = self._cv2
+        rotation, translation = motion.rotation[index], motion.translation[index]
+        canonical = camera.unproject(self._places, rotation, translation)
+        reached = (canonical[:, 1] > mouth.BOX[1]) & (np.abs(canonical[:, 0] - MIDDLE) < 120)
+        upper, lower = canonical.copy(), canonical.copy()
+        upper[reached], lower[reached] = mouth.MouthWarp(parameters)(canonical[reached])
+        upper, lower, canonical = (self._dense(field) for field in (upper, lower, canonical))
+        if motion.closed_eyes[index] > 0.01:
+            upper = self._with_lids(upper, canonical, motion.closed_eyes[index])
+
+        head = self._sample(upper)
+        box = self._box(rotation, translation)
+        head[box] = self._with_mouth(head[box], upper[box], lower[box], canonical[box], parameters)
+        sway = np.float32([[1, 0, 0.35 * translation[0]], [0, 1, 0.2 * translation[1]]])
+        scene = cv2.warpAffine(self._scene, sway, (WIDTH, HEIGHT), borderMode=cv2.BORDER_REPLICATE).astype(np.float32)
+        cover = head[..., 3:] * np.float32(1 / 255)
+        picture = scene + cover * (head[..., :3] - scene)
+        across = (np.arange(WIDTH, dtype=np.float32) - MIDDLE) / WIDTH
+        light = (1 + motion.slope * across)[None, :, None] * motion.gain[index].astype(np.float32)
+        picture = picture * light + self._grain[(index * 5) % 8]
+        return np.clip(picture + 0.5, 0, 255).astype(np.uint8)
+
+    def _dense(self, coarse: np.ndarray) -> np.ndarray:
+        """A field on the coarse grid (n, 2) to every pixel (HEIGHT, WIDTH, 2) float32."""
+        cv2 = self._cv2
+        field = coarse.reshape(self._rows, self._columns, 2).astype(np.float32)
+        # Pixel x lies at (x + margin) / step of the grid.
+        affine = np.float32([[_STEP, 0, -_MARGIN], [0, _STEP, -_MARGIN]])
+        return cv2.warpAffine(field, affine, (WIDTH, HEIGHT), flags=cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
+
+    def _sample(self, places: np.ndarray) -> np.ndarray:
+        """The head picture at canonical places (rows, columns, 2), float32 RGB and coverage."""
+        at = places * np.float32(SCALE) + np.float32((SCALE - 1) / 2)
+        return self._cv2.remap(
+            self._head, at, None, self._cv2.INTER_LINEAR, borderMode=self._cv2.BORDER_CONSTANT
+        ).astype(np.float32)
+
+    def _box(self, rotation: np.ndarray, translation: np.ndarray) -> tuple[slice, slice]:
+        """The part of the picture that the moving lower face can fill."""
+        left, top, right, bottom = mouth.BOX
+        corners = np.array([[left, top], [right, top], [left, bottom], [right, bottom], [MIDDLE, top]], float)
+        seen = camera.project(corners, rotation, translation)
+        x0, y0 = np.maximum(np.floor(seen.min(axis=0)).astype(int), 0)
+        x1, y1 = np.ceil(seen.max(axis=0)).astype(int) + 1
+        return slice(y0, min(y1, HEIGHT)), slice(x0, min(x1, WIDTH))
+
+    def _with_mouth(self, above, upper, lower, canonical, parameters) -> np.ndarray:
+        below = self._sample(lower)
+        share_above = above_seam(upper[..., 0], upper[..., 1])
+        share_below = 1 - above_seam(lower[..., 0], lower[..., 1])
+        both = share_above + share_below
+        skin = (share_above[..., None] * above + share_below[..., None] * below) / np.maximum(both, 1e-3)[..., None]
+        open_part = np.clip(1 - both, 0, 1)
+        rows, columns = np.nonzero(open_part > 0.002)
+        if len(rows):
+            distance = upper[rows, columns, 1] - seam(upper[rows, columns, 0])
+            colours = mouth.inside(canonical[rows, columns], distance, parameters)
+            share = open_part[rows, columns, None]
+            skin[rows, columns, :3] += share * (colours - skin[rows, columns, :3])
+            skin[rows, columns, 3] += share[:, 0] * (255 - skin[rows, columns, 3])
+        return skin
+
+    def _with_lids(self, places: np.ndarray, canonical: np.ndarray, closed: float) -> np.ndarray:
+        """Eyelid skin drawn over the eyes; what the eye shows is pressed into the line of the lashes."""
+        points = mouth.neutral_points()
+        places = places.copy()
+        x, y = canonical[..., 0], canonical[..., 1]
+        for eye in _EYES:
+            corner_a, corner_b = points[eye[4]], points[eye[5]]
+            centre, half = (corner_a + corner_b) / 2, abs(corner_b[0] - corner_a[0]) / 2 + 1.5
+            arch = np.clip(1 - ((x - centre[0]) / half) ** 2, 0, None)
+            top = centre[1] - (centre[1] - points[eye[0], 1] + 1.5) * 1.1 * arch
+            low = centre[1] + (points[eye[2], 1] - centre[1]) * 1.1 * arch
+            brow = top - _LID_TRAVEL
+            lid = top + 0.93 * closed * (low - top)
+            stretched = brow + (y - brow) * (top - brow) / (lid - brow)
+            pressed = top + (y - lid) * (low - top) / np.maximum(low - lid, 1e-3)
+            moved = np.where(y < lid, stretched, pressed)
+            near = (arch > 0) & (y > brow) & (y < low)
+            places[..., 1] = np.where(near, moved, places[..., 1])
+        return places
