@@ -90,6 +90,8 @@ def learning_curves(curves: Mapping[str, object]) -> bytes:
         panels = figure.subplots(down, across, sharex=True, sharey=True, squeeze=False)
         for axes in panels.flat[len(groups) :]:
             axes.set_visible(False)
+        for axes in panels.flat[max(0, len(groups) - across) : len(groups)]:
+            axes.tick_params(labelbottom=True)
         for (group, names), axes in zip(groups.items(), panels.flat, strict=False):
             for place, name in enumerate(names):
                 _curve(axes, curves[name], COLOURS[place % len(COLOURS)], str(name))

@@ -18,8 +18,8 @@ def column_title(metric: Metric, part: str = "value") -> str:
     """Heading of a measure: its name, for figures also the unit and whether low or high is good."""
     if part == "ratio":
         return metric.title
-    arrow = {"low": "↓", "high": "↑", "one": "→ 1"}[metric.best]
-    return f"{metric.title}{f' [{metric.unit}]' if metric.unit else ''} {arrow}"
+    arrow = {"low": "↓", "high": "↑", "one": "→\u00a01"}[metric.best]
+    return f"{metric.title}{f' [{metric.unit}]' if metric.unit else ''}\u00a0{arrow}"
 
 
 def to_tsv(table: ResultTable) -> str:
@@ -72,8 +72,14 @@ def _interval(cells: Mapping[str, str], part: str) -> str:
 
 
 def _blocks(table: ResultTable) -> tuple[tuple[str, str], ...]:
-    base = ROW_TITLES[BASE_ROW].lower()
-    return (("value", "Figures"), ("ratio", f"Ratio to the {base} (– where its own interval holds 0)"))
+    return (("value", "Figures"), ("ratio", f"Ratio to the {ROW_TITLES[BASE_ROW].lower()}"))
+
+
+def _note(table: ResultTable) -> str:
+    """Why a ratio is missing, where one is."""
+    if all(table.cells[row, metric.name]["ratio"] for row in table.rows for metric in table.metrics):
+        return ""
+    return f"No ratio is given where the interval of the {ROW_TITLES[BASE_ROW].lower()} itself holds 0."
 
 
 def to_markdown(table: ResultTable) -> str:
@@ -89,7 +95,12 @@ def to_markdown(table: ResultTable) -> str:
                 mark = "**" if part == "value" and (row, metric.name) in table.best else ""
                 texts.append(f"{mark}{cells[part]}{mark} {_interval(cells, part)}".strip() if cells[part] else "–")
             lines.append(f"| {_md(row_title(row))} | " + " | ".join(texts) + " |")
-    lines += ["", *(f"- {_md(metric.title)}: {_md(metric.definition)}." for metric in table.metrics)]
+    note = _note(table)
+    lines += [
+        "",
+        *([note, ""] if note else []),
+        *(f"- {_md(metric.title)}: {_md(metric.definition)}." for metric in table.metrics),
+    ]
     return "\n".join(lines) + "\n"
 
 
@@ -117,7 +128,9 @@ def to_latex(table: ResultTable) -> str:
             lines.append(" & ".join([_tex(row_title(row)), *texts]) + r" \\")
     caption = "; ".join(f"{_tex(name)}: {_tex(text)}" for name, text in table.facts)
     definitions = ". ".join(f"{_tex(metric.title)}: {_tex(metric.definition)}" for metric in table.metrics)
-    lines += [r"\bottomrule", r"\end{tabular}}", rf"\caption{{{caption}. {definitions}.}}", r"\end{table}"]
+    note = _note(table)
+    caption += f". {definitions}." + (f" {_tex(note)}" if note else "")
+    lines += [r"\bottomrule", r"\end{tabular}}", rf"\caption{{{caption}}}", r"\end{table}"]
     return "\n".join(lines) + "\n"
 
 
@@ -146,6 +159,8 @@ def to_html(table: ResultTable) -> str:
                 )
             out.append("</tr>")
         out.append("</tbody></table></div>")
+    if note := _note(table):
+        out.append(f"<p>{html.escape(note)}</p>")
     terms = "".join(f"<dt>{html.escape(m.title)}</dt><dd>{html.escape(m.definition)}.</dd>" for m in table.metrics)
     out += [f"<dl>{terms}</dl>", "</figure>"]
     return "\n".join(out) + "\n"
@@ -180,6 +195,7 @@ _TEX = {
     **{sign: f"\\{sign}" for sign in "&%$#_{}"},
     "[": "{[}",  # a bracket after the end of a row would be read as its argument
     "]": "{]}",
+    "\u00a0": "~",
     "~": r"\textasciitilde{}",
     "^": r"\textasciicircum{}",
     "<": r"\textless{}",

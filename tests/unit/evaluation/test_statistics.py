@@ -1,0 +1,99 @@
+"""The bootstrap: repeatable, of the right width, and drawn in pairs."""
+
+import numpy as np
+import pandas
+import pytest
+
+from visualspeech.errors import DataError, SettingError
+from visualspeech.evaluation import statistics
+from visualspeech.evaluation.statistics import BootstrapSettings
+
+SETTINGS = BootstrapSettings(samples=1000, level=0.95, seed=3)
+
+
+def table(values, frames=None):
+    frames = [10] * len(values) if frames is None else frames
+    return pandas.DataFrame({"id": [f"u{i}" for i in range(len(values))], "frames": frames, "rmse_shape": values})
+
+
+def test_same_seed_same_draws_and_other_seed_others():
+    drawn = statistics.draws(20, SETTINGS)
+    assert drawn.shape == (1000, 20) and drawn.min() == 0 and drawn.max() == 19
+    np.testing.assert_array_equal(drawn, statistics.draws(20, SETTINGS))
+    assert (drawn != statistics.draws(20, BootstrapSettings(1000, 0.95, 4))).any()
+
+
+def test_interval_agrees_with_normal_theory():
+    values = np.random.default_rng(5).normal(3.0, 0.5, size=400)
+    drawn = statistics.draws(400, BootstrapSettings(4000, 0.95, 0))
+    found = statistics.figure(values * 10, np.full(400, 10.0), drawn, 0.95)
+    half = 1.96 * values.std() / np.sqrt(400)
+    assert found.value == pytest.approx(values.mean(), rel=1e-12)
+    assert found.low == pytest.approx(values.mean() - half, abs=0.08 * half)
+    assert found.high == pytest.approx(values.mean() + half, abs=0.08 * half)
+
+
+def test_interval_agrees_with_a_slow_version():
+    generator = np.random.default_rng(6)
+    numerator, denominator = generator.uniform(1, 2, 7), generator.uniform(5, 9, 7)
+    drawn = statistics.draws(7, SETTINGS)
+    slow = sorted(sum(numerator[i] for i in row) / sum(denominator[i] for i in row) for row in drawn)
+    found = statistics.figure(numerator, denominator, drawn, 0.9)
+    assert (found.low, found.high) == pytest.approx(tuple(np.quantile(slow, [0.05, 0.95])), rel=1e-12)
+
+
+def test_blocks_do_not_change_the_result(monkeypatch):
+    values, frames = np.random.default_rng(7).uniform(1, 2, (2, 2100))
+    drawn = statistics.draws(2100, BootstrapSettings(1100))  # more than one block
+    found = statistics.figure(values, frames, drawn, 0.95)
+    whole = values[drawn].sum(axis=1) / frames[drawn].sum(axis=1)
+    assert (found.low, found.high) == tuple(np.quantile(whole, [0.025, 0.975]))
+
+
+def test_ratio_is_drawn_in_pairs():
+    """Twice the base in every utterance: the ratio is 2 in every draw, however much utterances differ."""
+    base = (np.random.default_rng(8).uniform(1, 9, 30), np.full(30, 10.0))
+    found = statistics.relative_figure((2 * base[0], base[1]), base, statistics.draws(30, SETTINGS), 0.95)
+    assert (found.value, found.low, found.high) == pytest.approx((2, 2, 2), rel=1e-12)
+
+
+def test_no_ratio_to_what_may_be_nothing():
+    around_zero = (np.random.default_rng(9).normal(size=30), np.ones(30))
+    found = statistics.relative_figure((np.ones(30), np.ones(30)), around_zero, statistics.draws(30, SETTINGS), 0.95)
+    assert np.isnan([found.value, found.low, found.high]).all()
+
+
+def test_summary_has_a_line_for_each_row_and_metric():
+    tables = {"FBB-128": table([1.0, 2.0], [10, 30]), "training_mean": table([2.0, 4.0], [10, 30])}
+    summary = statistics.summarise(tables, ["rmse_shape"], SETTINGS)
+    assert list(summary["row"]) == ["FBB-128", "training_mean"]
+    assert summary["value"][0] == pytest.approx((10 * 1 + 30 * 2) / 40)
+    assert list(summary["ratio"]) == pytest.approx([0.5, 1.0])
+
+
+def test_one_utterance_has_an_interval_of_no_width():
+    summary = statistics.summarise({"training_mean": table([2.0])}, ["rmse_shape"], SETTINGS)
+    assert list(summary.loc[0, ["value", "low", "high"]]) == [2.0, 2.0, 2.0]
+
+
+def test_rows_on_different_utterances_are_refused():
+    with pytest.raises(DataError, match="different utterances"):
+        statistics.summarise({"a": table([1.0]), "training_mean": table([1.0, 2.0])}, ["rmse_shape"], SETTINGS)
+    with pytest.raises(DataError, match="different utterances"):
+        statistics.summarise({"a": table([1.0], [9]), "training_mean": table([1.0])}, ["rmse_shape"], SETTINGS)
+
+
+def test_missing_base_row_is_named():
+    with pytest.raises(DataError, match="training_mean"):
+        statistics.summarise({"a": table([1.0])}, ["rmse_shape"], SETTINGS)
+
+
+def test_nothing_to_evaluate():
+    with pytest.raises(DataError, match="no test utterance"):
+        statistics.summarise({"training_mean": table([])}, ["rmse_shape"], SETTINGS)
+
+
+@pytest.mark.parametrize("wrong", [{"samples": 0}, {"level": 1.0}, {"level": 95}])
+def test_settings_out_of_range(wrong):
+    with pytest.raises(SettingError, match=next(iter(wrong))):
+        BootstrapSettings(**wrong)
