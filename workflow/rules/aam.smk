@@ -21,6 +21,7 @@ rule sample_textures:
         reference=f"{RUN}/aam/reference.safetensors",
         landmarks=f"{CORPUS}/landmarks/{{shard}}.h5",
         pose=f"{RUN}/pose/{{shard}}.h5",
+        alignment=f"{CORPUS}/alignment/{{shard}}.tsv",
         recordings=recordings,
     output:
         f"{RUN}/aam/textures/{{shard}}.h5",
@@ -29,34 +30,16 @@ rule sample_textures:
     benchmark:
         f"{RUN}/benchmarks/sample_textures/{{shard}}.tsv"
     params:
+        drift=SETTINGS["drift"],
         code=code("sample_textures.py"),
     script:
         "../scripts/sample_textures.py"
 
 
-rule measure_drift:
-    input:
-        textures=f"{RUN}/aam/textures/{{shard}}.h5",
-        alignment=f"{CORPUS}/alignment/{{shard}}.tsv",
-    output:
-        f"{RUN}/aam/drift/{{shard}}.h5",
-    log:
-        f"{RUN}/logs/measure_drift/{{shard}}.log",
-    benchmark:
-        f"{RUN}/benchmarks/measure_drift/{{shard}}.tsv"
-    params:
-        settings=SETTINGS["drift"],
-        code=code("measure_drift.py"),
-    script:
-        "../scripts/measure_drift.py"
-
-
 rule fit_aam:
     input:
         utterances=f"{RUN}/utterances.tsv",
-        reference=f"{RUN}/aam/reference.safetensors",
         textures=shards(f"{RUN}/aam/textures/{{shard}}.h5"),
-        drift=shards(f"{RUN}/aam/drift/{{shard}}.h5"),
     output:
         f"{RUN}/aam/model.safetensors",
     log:
@@ -75,7 +58,6 @@ rule encode_appearance:
     input:
         aam=f"{RUN}/aam/model.safetensors",
         textures=f"{RUN}/aam/textures/{{shard}}.h5",
-        drift=f"{RUN}/aam/drift/{{shard}}.h5",
     output:
         f"{RUN}/aam/parameters/{{shard}}.h5",
     log:

@@ -12,7 +12,8 @@ rule track_landmarks:
     benchmark:
         f"{CORPUS}/benchmarks/track_landmarks/{{shard}}.tsv"
     params:
-        settings=SETTINGS["landmarks"],
+        landmarks=SETTINGS["landmarks"],
+        screening=SETTINGS["screening"],
         code=code("track_landmarks.py"),
     script:
         "../scripts/track_landmarks.py"

@@ -10,7 +10,6 @@ rule fit_head:
         f"{RUN}/benchmarks/fit_head.tsv"
     params:
         settings=SETTINGS["pose"],
-        seed=SEED,
         code=code("fit_head.py"),
     script:
         "../scripts/fit_head.py"
@@ -37,7 +36,7 @@ rule accept_utterances:
     input:
         utterances=shards(f"{CORPUS}/corpus/utterances/{{shard}}.tsv"),
         split=f"{CORPUS}/corpus/split.tsv",
-        landmarks=shards(f"{CORPUS}/landmarks/{{shard}}.h5"),
+        head=f"{RUN}/pose/head.safetensors",
         pose=shards(f"{RUN}/pose/{{shard}}.h5"),
         findings=[
             f"{CORPUS}/check/findings.tsv",

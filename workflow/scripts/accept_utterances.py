@@ -1,0 +1,23 @@
+"""Settle which utterances the models see: those that no stage has rejected."""
+
+from visualspeech.corpora.findings import check_share, read_findings, rejected_ids, rejection, write_findings
+from visualspeech.corpora.table import read_split, read_utterances, write_accepted
+from visualspeech.face.head import HeadModel
+from visualspeech.face.pose import rigid_error
+from visualspeech.face.screening import ScreeningSettings, screen
+from visualspeech.jobs import job, log
+from visualspeech.storage import ArrayCollection
+
+with job(snakemake.log[0]), ArrayCollection(snakemake.input.pose) as pose:
+    utterances = {one.id: one for path in snakemake.input.utterances for one in read_utterances(path)}
+    head = HeadModel.load(snakemake.input.head)
+    errors = {one: rigid_error(pose.array(one, "points"), head) for one in pose.ids}
+    refused = screen(errors, ScreeningSettings(**snakemake.params.settings))
+    findings = read_findings(*snakemake.input.findings)
+    findings += [rejection(one, "pose", utterances[one].media, error) for one, error in refused.items()]
+    check_share(findings, len(utterances), snakemake.params.limit)
+    rejected = rejected_ids(findings)
+    accepted = [one for one in utterances.values() if one.id in pose and one.id not in rejected]
+    log.info("%d of %d utterances accepted", len(accepted), len(utterances))
+    write_accepted(snakemake.output.accepted, accepted, read_split(snakemake.input.split))
+    write_findings(snakemake.output.findings, findings)

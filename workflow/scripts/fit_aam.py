@@ -1,0 +1,11 @@
+"""Train the active appearance model on frames of the training utterances."""
+
+from visualspeech.corpora.table import of_split, read_utterances
+from visualspeech.face.aam.model import AamSettings, fit_utterances
+from visualspeech.jobs import job
+from visualspeech.storage import ArrayCollection
+
+with job(snakemake.log[0]), ArrayCollection(snakemake.input.textures) as textures:
+    training = [one.id for one in of_split(read_utterances(snakemake.input.utterances), "train")]
+    settings = AamSettings(**snakemake.params.settings, seed=snakemake.params.seed)
+    fit_utterances(textures, training, settings, snakemake.resources.tmpdir).save(snakemake.output[0])
