@@ -129,7 +129,7 @@ def render_report(content: ReportContent) -> str:
         trim_blocks=True,
         lstrip_blocks=True,
     )
-    environment.filters |= {"data_address": _data_address, "link": quote, "figure": _figure, "count": _count}
+    environment.filters |= {"data_address": _data_address, "link": _link, "figure": _figure, "count": _count}
     rejected = [one for one in content.findings if one.level == REJECT]
     warnings = [one for one in content.findings if one.level != REJECT]
     return environment.get_template("report.html").render(
@@ -153,6 +153,11 @@ def _safe(fragment: str):
 
 def _data_address(png: bytes) -> str:
     return "data:image/png;base64," + base64.b64encode(png).decode("ascii")
+
+
+def _link(path: str) -> str:
+    """A relative path as an address: a colon would make a scheme of what stands before it, two slashes a host."""
+    return quote(path.lstrip("/"))
 
 
 def _figure(value: float, digits: int = 0) -> str:

@@ -1,0 +1,162 @@
+"""The report: one page, nothing from outside, nothing of a stranger's text taken for markup."""
+
+import html.parser
+import re
+from dataclasses import replace
+from urllib.parse import urlsplit
+
+import numpy as np
+import pytest
+
+from tests.unit.evaluation.test_tables import made
+from visualspeech.corpora.findings import Finding
+from visualspeech.evaluation import plots
+from visualspeech.evaluation.report import MOST_FINDINGS, Picture, ReportContent, Video, render_report
+from visualspeech.evaluation.timings import StageTiming
+
+EVIL = "<script>alert('1')</script><img src=x onerror=alert(2)>\" onclick=\"alert(3)"
+
+
+class Page(html.parser.HTMLParser):
+    """Tags with their attributes, text, and whether all that was opened was closed."""
+
+    def __init__(self, text: str) -> None:
+        super().__init__()
+        self.tags, self.text, self.open = [], [], []
+        self.feed(text)
+
+    def handle_starttag(self, tag, attributes):
+        self.tags.append((tag, dict(attributes)))
+        if tag not in ("meta", "img"):
+            self.open.append(tag)
+
+    def handle_endtag(self, tag):
+        assert self.open.pop() == tag, tag
+
+    def handle_data(self, data):
+        self.text.append(data)
+
+
+def content(text: str = "plain", **changes) -> ReportContent:
+    picture = Picture(plots.mode_pictures(np.zeros((1, 1, 4, 4, 3), np.uint8)), text)
+    whole = ReportContent(
+        corpus=text,
+        experiment="fan2015",
+        split_hash="0123456789ab",
+        drift="silence",
+        consent=text,
+        utterances={"train": 48, "validation": 6, "test": 6},
+        frames={"train": 3600, "validation": 450, "test": 450},
+        tables=(made(),),
+        learning_curves=(picture,),
+        trajectories=(picture,),
+        modes=(picture,),
+        videos=(Video(f"fan2015/videos/{text} #1?.mp4", text, text, text),),
+        findings=(
+            Finding(text, "check", "reject", text, text, text),
+            Finding("b", "check", "warn", text, text),
+        ),
+        timings=(
+            StageTiming("fit_aam", 1, 100.0, 100.0, 1500.0, 20000),
+            StageTiming("short", 1, 0.0, 0.0, float("nan")),
+        ),
+        settings={"corpus": {"name": text}, text: [1, (2, 3)], "none": None},
+        versions={"torch": text},
+    )
+    return replace(whole, **changes)
+
+
+def test_every_section_is_there():
+    page = Page(render_report(content()))
+    ids = {attributes["id"] for tag, attributes in page.tags if tag == "section"}
+    assert ids == {
+        "results", "videos", "trajectories", "curves", "modes", "recordings", "timings", "settings", "licences",
+    }  # fmt: skip
+    assert page.open == []
+    linked = {attributes["href"][1:] for tag, attributes in page.tags if tag == "a" and attributes["href"][0] == "#"}
+    assert linked == ids
+    text = " ".join(" ".join(page.text).split())
+    for shown in (
+        "0123456789ab",
+        "silence",
+        "RMSE(appearance)",
+        "fit_aam",
+        "200",
+        "1 500",
+        "non-commercial",
+        "48",
+    ):
+        assert shown in text
+
+
+def test_nothing_comes_from_outside():
+    page = Page(render_report(content()))
+    for tag, attributes in page.tags:
+        assert tag not in ("script", "link", "iframe", "object", "embed")
+        for name, value in attributes.items():
+            if name == "src":
+                assert value.startswith("data:image/png;base64,")
+            if name == "href":
+                assert not urlsplit(value).scheme and not urlsplit(value).netloc
+    text = render_report(content())
+    assert "http://" not in text and "https://" not in text and "url(" not in text and "@import" not in text
+
+
+def test_text_of_strangers_stays_text():
+    plain, evil = Page(render_report(content())), Page(render_report(content(EVIL)))
+    assert [tag for tag, _ in evil.tags] == [tag for tag, _ in plain.tags]
+    assert [sorted(attributes) for _, attributes in evil.tags] == [sorted(attributes) for _, attributes in plain.tags]
+    assert not any("onclick" in attributes or "onerror" in attributes for _, attributes in evil.tags)
+    assert EVIL in "".join(evil.text)
+
+
+@pytest.mark.parametrize("path", ["javascript:alert(1)", "//host/x.mp4", "http://host/x.mp4"])
+def test_a_path_is_a_file_and_no_address(path):
+    page = Page(render_report(content(videos=(Video(path, "a"),))))
+    link = next(attributes["href"] for tag, attributes in page.tags if attributes.get("href", "#")[0] != "#")
+    assert not urlsplit(link).scheme and not urlsplit(link).netloc
+
+
+def test_links_to_files_with_odd_names():
+    page = Page(render_report(content(videos=(Video("fan2015/videos/a b#1?.mp4", "a"),))))
+    assert any(attributes.get("href") == "fan2015/videos/a%20b%231%3F.mp4" for _, attributes in page.tags)
+
+
+def test_missing_consent_warns():
+    assert "No consent is stated" in render_report(content(consent=""))
+    assert "No consent is stated" not in render_report(content())
+
+
+def test_empty_content_makes_a_page():
+    text = render_report(ReportContent("demo", "fan2015", "ab"))
+    assert Page(text).open == [] and "No result table was made" in text and "every recording could be used" in text
+
+
+def test_thousands_of_findings_are_cut_and_counted():
+    findings = tuple(Finding(f"u{i}", "check", "warn", "f", "clipped") for i in range(MOST_FINDINGS + 7))
+    text = render_report(content(findings=findings))
+    assert text.count('<td class="wrap">clipped</td>') == MOST_FINDINGS
+    assert "7 more findings" in text
+
+
+def test_rejected_utterances_are_counted_once():
+    findings = tuple(Finding("one", stage, "reject", "f", "bad") for stage in ("check", "alignment"))
+    assert re.search(
+        r"1 utterance</span> could not be used; everything here was made without it",
+        render_report(content(findings=findings)),
+    )
+
+
+def test_same_content_same_text():
+    assert render_report(content()) == render_report(content())
+
+
+def test_evaluation_does_not_load_torch():
+    import subprocess
+    import sys
+
+    code = (
+        "import sys; from visualspeech.evaluation import metrics, plots, report, statistics, table_formats, tables;"
+        "sys.exit('torch' in sys.modules)"
+    )
+    assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
