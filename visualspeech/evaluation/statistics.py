@@ -54,32 +54,50 @@ def draws(utterances: int, settings: BootstrapSettings) -> np.ndarray:
     return generator.integers(utterances, size=(settings.samples, utterances), dtype=kind)
 
 
-def figure(numerator: np.ndarray, denominator: np.ndarray, drawn: np.ndarray, level: float) -> Figure:
-    """``sum(numerator) / sum(denominator)`` over utterances, with its percentile interval.
+@dataclass(frozen=True)
+class Sampled:
+    """A corpus figure, and what it is in each bootstrap sample, shape (samples,)."""
+
+    value: float
+    samples: np.ndarray
+
+
+def sample(numerator: np.ndarray, denominator: np.ndarray, drawn: np.ndarray) -> Sampled:
+    """``sum(numerator) / sum(denominator)`` over utterances, and over those of each sample.
 
     Parameters
     ----------
     numerator, denominator : shape (utterances,)
     drawn : from :func:`draws`
-    level : confidence, for example 0.95
     """
-    return _interval(
-        _quotient(numerator.sum(), denominator.sum()), _drawn_quotients(numerator, denominator, drawn), level
-    )
+    # In blocks, so that memory does not grow with samples times utterances; plain sums, so that the bits do not
+    # depend on a linear-algebra library's threads.
+    rows = max(1, 2_000_000 // drawn.shape[1])
+    samples = [
+        _quotient(numerator[block].sum(axis=1), denominator[block].sum(axis=1))
+        for block in (drawn[start : start + rows] for start in range(0, len(drawn), rows))
+    ]
+    return Sampled(float(_quotient(numerator.sum(), denominator.sum())), np.concatenate(samples))
 
 
-def relative_figure(
-    row: tuple[np.ndarray, np.ndarray], base: tuple[np.ndarray, np.ndarray], drawn: np.ndarray, level: float
-) -> Figure:
+def figure(sampled: Sampled, level: float) -> Figure:
+    """A corpus figure with its percentile interval of the given confidence, for example 0.95."""
+    defined = sampled.samples[np.isfinite(sampled.samples)]
+    if not len(defined) or not np.isfinite(sampled.value):
+        return Figure(sampled.value, np.nan, np.nan)
+    low, high = np.quantile(defined, [(1 - level) / 2, (1 + level) / 2])
+    return Figure(sampled.value, float(low), float(high))
+
+
+def relative_figure(row: Sampled, base: Sampled, level: float) -> Figure:
     """A row's figure divided by the base row's, both from the same draws.
 
     Undefined (NaN) where the base row's own interval holds 0: a quotient by what may be nothing says nothing.
     """
-    below = figure(*base, drawn, level)
+    below = figure(base, level)
     if not (below.low > 0 or below.high < 0):
         return Figure(np.nan, np.nan, np.nan)
-    value = _quotient(_quotient(row[0].sum(), row[1].sum()), below.value)
-    return _interval(value, _quotient(_drawn_quotients(*row, drawn), _drawn_quotients(*base, drawn)), level)
+    return figure(Sampled(row.value / base.value, _quotient(row.samples, base.samples)), level)
 
 
 def summarise(tables: Mapping[str, object], metrics: Sequence[str], settings: BootstrapSettings, base: str = BASE_ROW):
@@ -109,15 +127,14 @@ def summarise(tables: Mapping[str, object], metrics: Sequence[str], settings: Bo
     chosen = [metric_named(name) for name in metrics]
     _check_rows(tables, base)
     drawn = draws(len(tables[base]), settings)
+    below = {metric.name: sample(*sums(tables[base], metric), drawn) for metric in chosen}
     lines = []
     for row, table in tables.items():
         for metric in chosen:
-            own = sums(table, metric)
-            plain = figure(*own, drawn, settings.level)
-            ratio = relative_figure(own, sums(tables[base], metric), drawn, settings.level)
-            lines.append(
-                (row, metric.name, plain.value, plain.low, plain.high, ratio.value, ratio.low, ratio.high),
-            )
+            sampled = sample(*sums(table, metric), drawn)
+            own = figure(sampled, settings.level)
+            ratio = relative_figure(sampled, below[metric.name], settings.level)
+            lines.append((row, metric.name, own.value, own.low, own.high, ratio.value, ratio.low, ratio.high))
     return pandas.DataFrame(
         lines, columns=["row", "metric", "value", "low", "high", "ratio", "ratio_low", "ratio_high"]
     )
@@ -137,26 +154,6 @@ def _check_rows(tables: Mapping[str, object], base: str) -> None:
             )
 
 
-def _drawn_quotients(numerator: np.ndarray, denominator: np.ndarray, drawn: np.ndarray) -> np.ndarray:
-    # In blocks, so that memory does not grow with samples times utterances; plain sums, so that the bits do not
-    # depend on a linear-algebra library's threads.
-    rows = max(1, 2_000_000 // drawn.shape[1])
-    return np.concatenate(
-        [
-            _quotient(numerator[block].sum(axis=1), denominator[block].sum(axis=1))
-            for block in (drawn[start : start + rows] for start in range(0, len(drawn), rows))
-        ]
-    )
-
-
 def _quotient(numerator, denominator):
     with np.errstate(divide="ignore", invalid="ignore"):
         return np.where(np.asarray(denominator) != 0, np.divide(numerator, denominator), np.nan)
-
-
-def _interval(value, drawn_values: np.ndarray, level: float) -> Figure:
-    defined = drawn_values[np.isfinite(drawn_values)]
-    if not len(defined) or not np.isfinite(value):
-        return Figure(float(value), np.nan, np.nan)
-    low, high = np.quantile(defined, [(1 - level) / 2, (1 + level) / 2])
-    return Figure(float(value), float(low), float(high))

@@ -26,7 +26,7 @@ def test_same_seed_same_draws_and_other_seed_others():
 def test_interval_agrees_with_normal_theory():
     values = np.random.default_rng(5).normal(3.0, 0.5, size=400)
     drawn = statistics.draws(400, BootstrapSettings(4000, 0.95, 0))
-    found = statistics.figure(values * 10, np.full(400, 10.0), drawn, 0.95)
+    found = statistics.figure(statistics.sample(values * 10, np.full(400, 10.0), drawn), 0.95)
     half = 1.96 * values.std() / np.sqrt(400)
     assert found.value == pytest.approx(values.mean(), rel=1e-12)
     assert found.low == pytest.approx(values.mean() - half, abs=0.08 * half)
@@ -38,28 +38,31 @@ def test_interval_agrees_with_a_slow_version():
     numerator, denominator = generator.uniform(1, 2, 7), generator.uniform(5, 9, 7)
     drawn = statistics.draws(7, SETTINGS)
     slow = sorted(sum(numerator[i] for i in row) / sum(denominator[i] for i in row) for row in drawn)
-    found = statistics.figure(numerator, denominator, drawn, 0.9)
+    found = statistics.figure(statistics.sample(numerator, denominator, drawn), 0.9)
     assert (found.low, found.high) == pytest.approx(tuple(np.quantile(slow, [0.05, 0.95])), rel=1e-12)
 
 
 def test_blocks_do_not_change_the_result(monkeypatch):
     values, frames = np.random.default_rng(7).uniform(1, 2, (2, 2100))
     drawn = statistics.draws(2100, BootstrapSettings(1100))  # more than one block
-    found = statistics.figure(values, frames, drawn, 0.95)
+    found = statistics.figure(statistics.sample(values, frames, drawn), 0.95)
     whole = values[drawn].sum(axis=1) / frames[drawn].sum(axis=1)
     assert (found.low, found.high) == tuple(np.quantile(whole, [0.025, 0.975]))
 
 
 def test_ratio_is_drawn_in_pairs():
     """Twice the base in every utterance: the ratio is 2 in every draw, however much utterances differ."""
-    base = (np.random.default_rng(8).uniform(1, 9, 30), np.full(30, 10.0))
-    found = statistics.relative_figure((2 * base[0], base[1]), base, statistics.draws(30, SETTINGS), 0.95)
+    numerator, denominator = np.random.default_rng(8).uniform(1, 9, 30), np.full(30, 10.0)
+    drawn = statistics.draws(30, SETTINGS)
+    row, base = (statistics.sample(factor * numerator, denominator, drawn) for factor in (2, 1))
+    found = statistics.relative_figure(row, base, 0.95)
     assert (found.value, found.low, found.high) == pytest.approx((2, 2, 2), rel=1e-12)
 
 
 def test_no_ratio_to_what_may_be_nothing():
-    around_zero = (np.random.default_rng(9).normal(size=30), np.ones(30))
-    found = statistics.relative_figure((np.ones(30), np.ones(30)), around_zero, statistics.draws(30, SETTINGS), 0.95)
+    drawn = statistics.draws(30, SETTINGS)
+    around_zero = statistics.sample(np.random.default_rng(9).normal(size=30), np.ones(30), drawn)
+    found = statistics.relative_figure(statistics.sample(np.ones(30), np.ones(30), drawn), around_zero, 0.95)
     assert np.isnan([found.value, found.low, found.high]).all()
 
 
