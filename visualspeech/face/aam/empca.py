@@ -19,8 +19,11 @@ import numpy as np
 from visualspeech.errors import DataError, SettingError
 from visualspeech.jobs import log
 
+LIMIT = 400
+"""Most components that an energy target may take where no other number is given."""
+
 _SPARE = 10  # more components than asked while iterating: the last ones asked for converge slowest
-_FIRST_BLOCK = 40  # components tried first for an energy target
+_SAMPLE = 1500  # rows whose exact components the iteration starts from
 
 
 class Rows(Protocol):
@@ -53,31 +56,35 @@ def em_pca(
     rows: Rows,
     components: int | None = None,
     energy: float | None = None,
+    at_most: int | None = None,
     iterations: int = 10,
     seed: int = 0,
     tolerance: float = 1e-4,
-    most: int = 400,
     what: str = "rows",
 ) -> Components:
     """The leading principal components of many long rows.
 
+    The iteration starts from the components of a random sample of rows, which saves most passes; what it converges to
+    does not depend on the start.
+
     Parameters
     ----------
-    rows : n rows of d values, read ``iterations`` + 2 times or a little more often
+    rows : n rows of d values, read ``iterations`` + 3 times at most for each number of components tried
     components : how many, or None where ``energy`` is given
     energy : fraction of the total variance to hold, above 0 and below 1; components grow in blocks until it is reached,
         and the least number that reaches it is kept
-    iterations : most passes of both steps (for each block); fewer when the variance held grows by less than
-        ``tolerance`` of the total from one pass to the next
-    most : most components that an energy target may take
+    at_most : with ``energy``, keep no more components than this, and say so in the log when they hold less
+    iterations : most passes of both steps; fewer when the variance held grows by less than ``tolerance`` of the total
+        from one pass to the next
+    seed : of the sample and of random components beyond it
     what : name of the rows in messages
 
     Raises
     ------
     DataError
-        Fewer than two rows, or values that are not finite.
+        Fewer than two rows, all the same, or values that are not finite.
     SettingError
-        More components asked for than the data can have, or the energy is not reached with ``most`` components.
+        More components asked for than the data can have, or the energy is not reached with ``LIMIT`` components.
     """
     if (components is None) == (energy is None):
         raise SettingError(f"{what}: give either a number of components or an energy fraction, and not both.")
@@ -92,27 +99,32 @@ def em_pca(
     if total <= 1e-12 * max(float(np.square(mean).sum()), 1e-30):
         raise DataError(f"{what}: all {count} rows are the same, there is nothing to learn from them")
     generator = np.random.default_rng(seed)
-    wanted = min(components or _FIRST_BLOCK, possible)
-    basis = np.empty((dimension, 0), np.float32)
+    basis, held = _sample_components(rows, mean, generator)
+    limit = min(possible, at_most or LIMIT)
+    # The sample's own components hold more of the sample than of the data: the guess is low, and grows where needed.
+    wanted = components or min(int(1.2 * (np.searchsorted(held, energy) + 1)), limit)
     while True:
         width = min(wanted + _SPARE, possible)
-        new = generator.standard_normal((dimension, width - basis.shape[1]), dtype=np.float32)
-        basis = _iterate(rows, mean, np.concatenate([basis, new], axis=1), iterations, tolerance * total)
+        fill = generator.standard_normal((dimension, max(width - basis.shape[1], 0)), dtype=np.float32)
+        start = np.concatenate([basis[:, :width], fill], axis=1)
+        basis = _iterate(rows, mean, start, iterations, tolerance * total)
         basis, eigenvalues = _rotate(rows, mean, basis)
-        if components is not None:
-            keep = components
-            break
         held = np.cumsum(eigenvalues)[:wanted] / total
-        if held[-1] >= energy:
-            keep = int(np.searchsorted(held, energy) + 1)
+        if components is not None or held[-1] >= energy:
             break
-        if wanted >= min(possible, most):
-            raise SettingError(
-                f"{what}: an energy of {energy:g} is not reached with {wanted} components (they hold {held[-1]:.4f} of "
-                f"the variance). Ask for an energy below {held[-1]:.2f}, or train on more images."
+        if wanted >= limit:
+            if at_most is None or possible < at_most:
+                raise SettingError(
+                    f"{what}: an energy of {energy:g} is not reached with {wanted} components (they hold "
+                    f"{held[-1]:.4f} of the variance). Ask for less energy, or for a number of components."
+                )
+            log.warning(
+                "%s: the %d components allowed hold %.4f of the variance, not %g", what, wanted, held[-1], energy
             )
+            break
         log.info("%s: %d components hold %.4f of the variance, %g asked", what, wanted, held[-1], energy)
-        wanted = min(int(wanted * 1.6), possible, most)
+        wanted = min(int(wanted * 1.4) + 1, limit)
+    keep = components or min(int(np.searchsorted(held, energy)) + 1, wanted)
     return Components(mean, np.ascontiguousarray(_signed(basis[:, :keep].T)), eigenvalues[:keep], total)
 
 
@@ -141,6 +153,22 @@ def moments(rows: Rows) -> tuple[np.ndarray, float]:
     if not np.isfinite(scatter):
         raise DataError("values that are not finite among the rows")
     return mean.astype(np.float32), scatter / count
+
+
+def _sample_components(rows: Rows, mean: np.ndarray, generator) -> tuple[np.ndarray, np.ndarray]:
+    """Exact components (d, m) of a random sample of rows, and the fraction of the sample's variance they hold (m,)."""
+    count = rows.shape[0]
+    drawn = np.sort(generator.choice(count, min(count, _SAMPLE), replace=False, shuffle=False))
+    parts, start = [], 0
+    for chunk in rows.chunks():
+        parts.append(chunk[drawn[(drawn >= start) & (drawn < start + len(chunk))] - start] - mean)
+        start += len(chunk)
+    sample = np.concatenate(parts)
+    values, vectors = np.linalg.eigh((sample @ sample.T).astype(np.float64))
+    values = np.maximum(values[::-1], 0)
+    real = values > 1e-6 * values[0]
+    basis = sample.T @ (vectors[:, ::-1][:, real] / np.sqrt(values[real])).astype(np.float32)
+    return basis, np.cumsum(values[real]) / values.sum()
 
 
 def _iterate(rows: Rows, mean: np.ndarray, start: np.ndarray, iterations: int, least_gain: float) -> np.ndarray:
@@ -177,7 +205,13 @@ def _signed(components: np.ndarray) -> np.ndarray:
     return components * np.where(largest < 0, -1, 1).astype(components.dtype)[:, None]
 
 
-def pca(rows: np.ndarray, components: int | None = None, energy: float | None = None, what: str = "rows") -> Components:
+def pca(
+    rows: np.ndarray,
+    components: int | None = None,
+    energy: float | None = None,
+    at_most: int | None = None,
+    what: str = "rows",
+) -> Components:
     """Exact principal components of rows (n, d) that fit into memory and are not long; as :func:`em_pca` otherwise.
 
     Raises
@@ -200,7 +234,7 @@ def pca(rows: np.ndarray, components: int | None = None, energy: float | None = 
         raise DataError(f"{what}: all {len(rows)} rows are the same, there is nothing to learn from them")
     rank = int(np.count_nonzero(values > 1e-10 * values[0]))
     if components is None:
-        components = min(int(np.searchsorted(np.cumsum(values) / total, energy) + 1), rank)
+        components = min(int(np.searchsorted(np.cumsum(values) / total, energy) + 1), rank, at_most or rank)
     if not 0 < components <= rank:
         raise SettingError(
             f"{what}: {components} components asked for, but the training data varies in {rank} directions only. "
