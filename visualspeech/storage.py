@@ -78,6 +78,20 @@ def write_text_if_changed(path: str | Path, text: str) -> bool:
     return True
 
 
+def read_text(path: str | Path) -> str:
+    """Read UTF-8 text.
+
+    Raises
+    ------
+    StorageError
+        The file is missing or no such text.
+    """
+    try:
+        return Path(path).read_text(encoding="utf-8")
+    except (OSError, UnicodeDecodeError) as error:
+        raise StorageError(f"cannot read {path}: {error}. Delete it and run again to make it anew.") from error
+
+
 def table_text(table) -> str:
     """A data frame as TSV text (floats with the shortest digits that read back equal, no index)."""
     return table.to_csv(sep="\t", index=False, lineterminator="\n")

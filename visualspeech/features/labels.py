@@ -9,6 +9,7 @@ from collections.abc import Iterable, Sequence
 import numpy as np
 
 from visualspeech.errors import DataError
+from visualspeech.storage import read_table
 from visualspeech.timing import frame_times, interval_of_frame
 
 SILENCE = "sil"
@@ -26,6 +27,11 @@ def phone_inventory(tables: Iterable) -> list[str]:
     for table in tables:
         found.update(table.loc[table["tier"] == "phone", "label"].unique())
     return [SILENCE, *sorted(found - {SILENCE})]
+
+
+def read_phones(path) -> list[str]:
+    """The inventory of a table with the column ``phone``, in its order."""
+    return read_table(path, ("phone",))["phone"].tolist()
 
 
 def label_indices(rows, frames: int, rate: float, phones: Sequence[str]) -> np.ndarray:

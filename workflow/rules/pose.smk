@@ -37,6 +37,7 @@ rule accept_utterances:
         utterances=shards(f"{CORPUS}/corpus/utterances/{{shard}}.tsv"),
         split=f"{CORPUS}/corpus/split.tsv",
         head=f"{RUN}/pose/head.safetensors",
+        landmarks=shards(f"{CORPUS}/landmarks/{{shard}}.h5"),
         pose=shards(f"{RUN}/pose/{{shard}}.h5"),
         findings=[
             f"{CORPUS}/check/findings.tsv",

@@ -1,9 +1,10 @@
 rule write_report:
     input:
-        table=f"{RUN}/tables/objective.html",
+        table=f"{RUN}/tables/objective.tsv",
         findings=f"{RUN}/findings.tsv",
         utterances=f"{RUN}/utterances.tsv",
         aam=f"{RUN}/aam/model.safetensors",
+        reference=f"{RUN}/aam/reference.safetensors",
         features=shards(f"{RUN}/features/{{shard}}.h5"),
         alignment=shards(f"{CORPUS}/alignment/{{shard}}.tsv"),
         curves=expand(f"{RUN}/models/{{model}}/learning_curve.tsv", model=MODELS),

@@ -2,6 +2,7 @@ rule render_videos:
     input:
         utterances=f"{RUN}/utterances.tsv",
         aam=f"{RUN}/aam/model.safetensors",
+        reference=f"{RUN}/aam/reference.safetensors",
         head=f"{RUN}/pose/head.safetensors",
         predictions=f"{RUN}/models/{SETTINGS['videos']['model']}/predictions.h5",
         landmarks=shards(f"{CORPUS}/landmarks/{{shard}}.h5"),
@@ -16,8 +17,11 @@ rule render_videos:
         f"{RUN}/benchmarks/render_videos.tsv"
     params:
         settings=SETTINGS["videos"],
-        corpus=PLAN.name,
-        consent=SETTINGS["corpus"].get("consent", ""),
+        names={
+            "corpus": PLAN.name,
+            "model": SETTINGS["videos"]["model"],
+            "consent": SETTINGS["corpus"].get("consent", ""),
+        },
         code=code("render_videos.py"),
     script:
         "../scripts/render_videos.py"

@@ -4,15 +4,20 @@ from visualspeech.corpora.findings import check_share, read_findings, rejected_i
 from visualspeech.corpora.table import read_split, read_utterances, write_accepted
 from visualspeech.face.head import HeadModel
 from visualspeech.face.pose import rigid_error
+from visualspeech.face.sampling import other_sizes
 from visualspeech.face.screening import ScreeningSettings, screen
 from visualspeech.jobs import job, log
 from visualspeech.storage import ArrayCollection
 
-with job(snakemake.log[0]), ArrayCollection(snakemake.input.pose) as pose:
+with (
+    job(snakemake.log[0]),
+    ArrayCollection(snakemake.input.landmarks) as landmarks,
+    ArrayCollection(snakemake.input.pose) as pose,
+):
     utterances = {one.id: one for path in snakemake.input.utterances for one in read_utterances(path)}
     head = HeadModel.load(snakemake.input.head)
     errors = {one: rigid_error(pose.array(one, "points"), head) for one in pose.ids}
-    refused = screen(errors, ScreeningSettings(**snakemake.params.settings))
+    refused = screen(errors, ScreeningSettings(**snakemake.params.settings)) | other_sizes(landmarks, pose.ids)
     findings = read_findings(*snakemake.input.findings)
     findings += [rejection(one, "pose", utterances[one].media, error) for one, error in refused.items()]
     check_share(findings, len(utterances), snakemake.params.limit)

@@ -2,7 +2,7 @@
 
 from visualspeech.corpora.table import read_split
 from visualspeech.face.head import PoseSettings, fit_head
-from visualspeech.face.landmarks import sample_points
+from visualspeech.face.sampling import sample_points
 from visualspeech.jobs import job
 from visualspeech.storage import ArrayCollection
 

@@ -4,7 +4,7 @@ import pandas
 
 from visualspeech.features.labels import phone_inventory
 from visualspeech.jobs import job
-from visualspeech.speech.alignment import read_alignment_table
+from visualspeech.speech.rows import read_alignment_table
 from visualspeech.storage import write_table
 
 with job(snakemake.log[0]):
