@@ -185,5 +185,6 @@ def upright(array: np.ndarray, rotation: float) -> np.ndarray:
 
 
 def short(error: BaseException) -> str:
-    """First line of an error."""
-    return str(error).splitlines()[0] if str(error) else type(error).__name__
+    """An error in a few words, without numbers and paths."""
+    said = getattr(error, "strerror", None) or str(error) or type(error).__name__
+    return said.splitlines()[0]

@@ -37,8 +37,9 @@ from visualspeech.storage import replacing
 class MediaInfo:
     """What a container says of itself.
 
-    Frame rate in Hz (the average where it varies), size in pixels, sound rate in Hz (0: no audio stream), duration in
-    seconds of the recording and of its video stream (0: the header does not say).
+    Frame rate in Hz (the average where it varies), size in pixels as shown, sound rate in Hz (0: no audio stream);
+    seconds from the first picture to the end of the recording and of its video stream (0: the header does not say), and
+    seconds of sound before the first picture, which are left out.
     """
 
     rate: float
@@ -47,6 +48,7 @@ class MediaInfo:
     audio_rate: int
     duration: float
     video_duration: float = 0.0
+    early_sound: float = 0.0
 
 
 def probe(path: str | Path) -> MediaInfo:
@@ -63,13 +65,19 @@ def probe(path: str | Path) -> MediaInfo:
         width, height = video.codec_context.width, video.codec_context.height
         if _turned(container, video):
             width, height = height, width
+        rate, begin = frame_rate(video), origin(container)
+        whole = float(container.duration or 0) / av.time_base
+        sound = audio.start_time * audio.time_base if audio and audio.start_time is not None else begin
+        # An AVI without its index is measured by what is left; its header counts the pictures.
+        seconds = video.frames / rate if container.format.name == "avi" else (video.duration or 0) * video.time_base
         return MediaInfo(
-            rate=frame_rate(video),
+            rate=rate,
             width=width,
             height=height,
             audio_rate=(audio.rate or 0) if audio else 0,
-            duration=float(container.duration or 0) / av.time_base,
-            video_duration=float((video.duration or 0) * video.time_base),
+            duration=max(0.0, whole + float(container.start_time or 0) / av.time_base - begin) if whole else 0.0,
+            video_duration=float(seconds),
+            early_sound=max(0.0, begin - float(sound)),
         )
 
 

@@ -36,7 +36,7 @@ class CheckSettings:
     silent_level : dB of full scale; sound whose loudest twentieth stays below is silent
     speech_range : dB; sound whose level changes less holds no speech
     speech_seconds : shortest time in which a voice detector must hear speech
-    clipped_share : share of samples within 3 % of the peak from which on sound is called clipped
+    clipped_share : share of samples cut off from which on sound is called clipped (see :func:`clipped_share`)
     low_audio_rate : Hz; sound recorded below is odd
     """
 
@@ -215,6 +215,11 @@ def _check_end(
                     f"truncated: its header announces {promised:.2f} s, but it breaks off after {found:.2f} s",
                     "Copy the recording again from its source.",
                 )
+    if not utterance.start and info.early_sound >= settings.length_warning:
+        warn(
+            f"the pictures begin {info.early_sound:.2f} s after the sound, which is left out until then",
+            "Check that no speech is lost; export the recording again with both streams whole.",
+        )
     difference = sound_seconds - seconds
     if abs(difference) >= settings.length_warning:
         said = f"sound and picture differ in length: {sound_seconds:.2f} s of sound, {seconds:.2f} s of picture"
@@ -247,7 +252,7 @@ def _check_sound(sound: np.ndarray, info: media.MediaInfo, settings: CheckSettin
     clipped = clipped_share(sound)
     if clipped >= settings.clipped_share:
         warn(
-            f"clipped audio ({clipped:.1%} of the samples lie at the peak)",
+            f"clipped audio ({clipped:.1%} of the samples cut off)",
             "It is used, but may be aligned badly. Record at a lower level.",
         )
 
@@ -260,9 +265,26 @@ def frame_levels(sound: np.ndarray) -> np.ndarray:
 
 
 def clipped_share(sound: np.ndarray) -> float:
-    """Share of samples within 3 % of the peak: some 0.0001 in speech, far more where a limit cut it off."""
-    peak = np.abs(sound).max(initial=0.0)
-    return float((np.abs(sound) >= 0.97 * peak).mean()) if peak else 0.0
+    """Share of samples that lie where a limit cut the sound off; below 0.0005 in sound speech.
+
+    Two signs: samples within 3 % of the peak (a limit, as recorded), and a hill near the upper end of the histogram of
+    the amplitudes, which falls steadily in speech (a limit, blurred by lossy coding): a window of a factor 1.22 that
+    holds at least 0.2 % of the samples and 1.7 times as many as the window below it. Of 50 recordings of GRID none is
+    taken for clipped; with 0.3 to 3 % of the samples cut off, 98 % to all of them are, before and after AAC coding.
+    """
+    size = np.abs(sound)
+    peak = size.max(initial=0.0)
+    if not peak:
+        return 0.0
+    at_peak = float((size >= 0.97 * peak).mean())
+    width = 10
+    borders = np.linspace(-80 * 0.02, 0.02, 82)
+    counts, _ = np.histogram(np.log(np.maximum(size / peak, 1e-6)), borders)
+    windows = np.convolve(counts, np.ones(width, int), "valid")
+    above, below = windows[width:], windows[:-width]
+    upper = borders[2 * width :] >= np.log(0.7)
+    hills = above[upper & (above >= 0.002 * len(size)) & (above >= 1.7 * below)]
+    return max(at_peak, float(hills.max(initial=0)) / len(size))
 
 
 def speech_seconds(sound: np.ndarray) -> float:
