@@ -213,7 +213,7 @@ class Aam:
     def load(cls, path: str | Path) -> "Aam":
         tensors, settings = read_model(path)
         drift = FaceReference(tensors.pop("drift_shape"), tensors.pop("drift_texture"))
-        weight = float(tensors.pop("shape_weight"))
+        weight = tensors.pop("shape_weight").item()
         return cls(drift=drift, shape_weight=weight, settings=AamSettings(**settings), **tensors)
 
 
