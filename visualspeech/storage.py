@@ -295,7 +295,8 @@ def write_model(path: str | Path, tensors: Mapping[str, np.ndarray], settings: M
     """Write a model as safetensors: named arrays, and its settings as JSON metadata."""
     from safetensors.numpy import save
 
-    arrays = {name: np.ascontiguousarray(values) for name, values in sorted(tensors.items())}
+    # Not ascontiguousarray, which would make a vector of a single number.
+    arrays = {name: np.asarray(values, order="C") for name, values in sorted(tensors.items())}
     content = save(arrays, metadata={"settings": json.dumps(settings, sort_keys=True)})
     # Written here and not by safetensors, whose own files nobody but their owner may read.
     with replacing(path) as temporary:
