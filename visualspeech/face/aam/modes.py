@@ -8,6 +8,7 @@ from visualspeech.face.aam.points import to_points
 from visualspeech.face.aam.reference import Reference, paint
 
 KINDS = ("shape", "texture", "appearance")
+_MARGIN = 0.08  # room around the mean face, as a share of its width
 
 
 def mode_pictures(
@@ -25,7 +26,7 @@ def mode_pictures(
 
     Returns
     -------
-    three (height, width, 3) uint8 RGB, all of one size and scale
+    three (height, width, 3) uint8 RGB; all modes of a model have one size and scale
 
     Raises
     ------
@@ -50,8 +51,8 @@ def mode_pictures(
         )
         for step in (-distance, 0.0, distance)
     ]
-    everywhere = np.concatenate([points for points, _ in faces])
-    low, high = everywhere.min(axis=0), everywhere.max(axis=0)
-    scale = (width - 8) / (high[0] - low[0])
-    canvas = np.full((int(np.ceil((high[1] - low[1]) * scale)) + 8, width, 3), background, np.uint8)
-    return [paint(texture, (points - low) * scale + 4, reference, canvas) for points, texture in faces]
+    low, high = to_points(aam.shape_mean).min(axis=0), to_points(aam.shape_mean).max(axis=0)
+    margin = _MARGIN * (high[0] - low[0])
+    scale = width / (high[0] - low[0] + 2 * margin)
+    canvas = np.full((int(np.ceil((high[1] - low[1] + 2 * margin) * scale)), width, 3), background, np.uint8)
+    return [paint(texture, (points - low + margin) * scale, reference, canvas) for points, texture in faces]
