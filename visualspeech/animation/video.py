@@ -1,0 +1,214 @@
+"""Videos of the talking head: original | reconstruction | prediction, with sound, and with what they say of themselves.
+
+A rendered face looks like a person saying something that was never said so. Every file therefore tells in its metadata
+that it is synthetic, by which model, from which corpus and by whose permission, and each synthetic picture carries a
+small label unless that is switched off.
+"""
+
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from itertools import tee
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+
+from visualspeech.animation.label import labelled, title_bar, title_height
+from visualspeech.animation.rendering import RenderSettings, place, talking_head
+from visualspeech.corpora.records import Utterance
+from visualspeech.errors import DataError
+from visualspeech.face.aam.model import Aam
+from visualspeech.face.aam.reference import Reference
+from visualspeech.face.drift import FaceReference, restore
+from visualspeech.face.head import HeadModel
+from visualspeech.face.pose import Pose
+from visualspeech.features.resampling import resample
+from visualspeech.media import probe, read_audio, read_frames, write_video
+
+AUDIO_RATE = 48000
+LABEL = "synthetic"
+
+
+@dataclass(frozen=True)
+class VideoSettings:
+    """How videos are made.
+
+    Parameters
+    ----------
+    label : write the word "synthetic" small into every synthetic picture
+    rendering : how faces are stitched
+    """
+
+    label: bool = True
+    rendering: RenderSettings = field(default_factory=RenderSettings)
+
+
+class Panel(NamedTuple):
+    """One column of a video: its title, its frames (height, width, 3) uint8 RGB, and whether they are synthetic."""
+
+    title: str
+    frames: Iterable[np.ndarray]
+    synthetic: bool = True
+
+
+@dataclass(frozen=True)
+class Speaker:
+    """The models of one speaker that a talking head needs: 3-D head, appearance model and texture grid."""
+
+    head: HeadModel
+    aam: Aam
+    reference: Reference
+
+    @classmethod
+    def load(cls, head: str | Path, aam: str | Path, reference: str | Path) -> "Speaker":
+        """Read the three model files.
+
+        Raises
+        ------
+        StorageError
+            One of them is missing or of another kind.
+        """
+        return cls(HeadModel.load(head), Aam.load(aam), Reference.load(reference))
+
+
+@dataclass(frozen=True)
+class Recording:
+    """What was measured of one recorded utterance.
+
+    Parameters
+    ----------
+    landmarks : (T, 68, 2) in pixels of the recording
+    pose : of the T frames
+    drift : the utterance's reference face
+    """
+
+    landmarks: np.ndarray
+    pose: Pose
+    drift: FaceReference
+
+
+def synthetic_frames(
+    frames: Iterable[np.ndarray],
+    appearance: np.ndarray,
+    recording: Recording,
+    speaker: Speaker,
+    settings: RenderSettings | None = None,
+) -> Iterator[np.ndarray]:
+    """Recorded frames whose lower face is decoded from appearance parameters, one frame at a time.
+
+    Parameters
+    ----------
+    frames : the T frames of the recording
+    appearance : (T, N) v at the recording's frame rate
+
+    Raises
+    ------
+    DataError
+        The lengths differ.
+    """
+    appearance = np.asarray(appearance, np.float32)
+    shape = speaker.aam.shape_mean + appearance @ speaker.aam.shape_basis
+    shape = shape + (recording.drift.shape - speaker.aam.drift.shape)
+    placement = place(recording.landmarks, shape, recording.pose, speaker.head, settings)
+    return talking_head(frames, placement, _textures(appearance, recording, speaker.aam), speaker.reference, settings)
+
+
+def _textures(appearance: np.ndarray, recording: Recording, aam: Aam) -> Iterator[np.ndarray]:
+    """Textures with the light of the recording, a few decoded at a time: all of them would be 72 kB a frame."""
+    for start in range(0, len(appearance), 25):
+        decoded = aam.decode(appearance[start : start + 25])
+        yield from restore(*decoded, recording.drift, aam.drift)[1]
+
+
+def side_by_side(panels: Sequence[Panel], label: bool = True) -> Iterator[np.ndarray]:
+    """Frames of all panels beside each other under a bar of titles, one at a time, with even width and height.
+
+    Raises
+    ------
+    DataError
+        The panels are not of one length, or their pictures not of one height.
+    """
+    streams = [iter(panel.frames) for panel in panels]
+    bar = None
+    for index in range(2**62):
+        pictures = [next(stream, None) for stream in streams]
+        if all(picture is None for picture in pictures):
+            return
+        for panel, picture in zip(panels, pictures, strict=True):
+            if picture is None:
+                raise DataError(f"the panel {panel.title!r} ends after {index} frames, others go on.")
+            if picture.shape[0] != pictures[0].shape[0]:
+                raise DataError(f"panels of {picture.shape[0]} and {pictures[0].shape[0]} pixels height do not fit.")
+        marked = [
+            labelled(picture, LABEL) if label and panel.synthetic else picture
+            for panel, picture in zip(panels, pictures, strict=True)
+        ]
+        if bar is None:
+            widths = [picture.shape[1] for picture in marked]
+            bar = title_bar([panel.title for panel in panels], widths, title_height(marked[0].shape[0]))
+        yield _even(np.vstack([bar, np.hstack(marked)]))
+
+
+def _even(picture: np.ndarray) -> np.ndarray:
+    """H.264 halves the colour planes: an odd last row or column is shown twice."""
+    height, width = picture.shape[:2]
+    return np.pad(picture, ((0, height % 2), (0, width % 2), (0, 0)), mode="edge")
+
+
+def video_metadata(utterance: str, corpus: str, model: str, consent: str) -> dict[str, str]:
+    """What a video file says of itself: title, comment and one key for each part of it."""
+    permission = consent.strip() or "No statement of consent was given for this corpus."
+    return {
+        "title": f"{utterance}: synthetic talking head ({model})",
+        "comment": (
+            "This video is SYNTHETIC: where a panel is labelled or titled as reconstruction or prediction, the lower "
+            f"face was made by a computer model ({model}, corpus {corpus}) and never moved like this. "
+            f"Whose face it is and by what permission: {permission}"
+        ),
+        "synthetic": "yes",
+        "model": model,
+        "corpus": corpus,
+        "consent": permission,
+    }
+
+
+def write_talking_head(
+    path: str | Path,
+    utterance: Utterance,
+    recording: Recording,
+    appearances: Mapping[str, tuple[np.ndarray, float]],
+    speaker: Speaker,
+    corpus: str,
+    model: str,
+    consent: str = "",
+    settings: VideoSettings | None = None,
+) -> None:
+    """Write the video of one utterance: the original and one panel for each stream of parameters, with its sound.
+
+    Frames are made and encoded one at a time; memory does not grow with the length of the pictures.
+
+    Parameters
+    ----------
+    appearances : title of a panel -> appearance parameters v (frames, N) and their frame rate in Hz; they are brought
+        to the rate of the recording
+    corpus, model, consent : for the metadata
+
+    Raises
+    ------
+    DataError
+        Streams of this utterance do not fit each other.
+    RejectedUtterance
+        The recording cannot be read.
+    """
+    settings = settings or VideoSettings()
+    rate = probe(utterance.media).rate
+    length = len(recording.landmarks)
+    sources = tee(read_frames(utterance.media, utterance.start, utterance.end), 1 + len(appearances))
+    panels = [Panel("original", sources[0], synthetic=False)]
+    for source, (title, (values, values_rate)) in zip(sources[1:], appearances.items(), strict=True):
+        values = resample(values, values_rate, rate, length)
+        frames = synthetic_frames(source, values, recording, speaker, settings.rendering)
+        panels.append(Panel(title, frames))
+    sound = read_audio(utterance.media, AUDIO_RATE, utterance.start, utterance.end)
+    metadata = video_metadata(utterance.id, corpus, model, consent)
+    write_video(path, side_by_side(panels, settings.label), rate, sound, AUDIO_RATE, metadata)
