@@ -26,7 +26,8 @@ FOLLOW = 0.5
 # The detector's window is 80 pixels; a face is easiest to confirm slightly above that.
 CONFIRM_PIXELS = 92
 CONFIRM_SIDES = 1.7
-LIKENESS_PIXELS = 24
+# The face is known again by this many pixels a side.
+LIKENESS_PIXELS = 32
 
 
 @functools.cache
@@ -60,9 +61,10 @@ class DlibTracker:
 
     def next(self, frame: np.ndarray) -> np.ndarray | None:
         grey = self._cv.cvtColor(frame, self._cv.COLOR_RGB2GRAY)
-        search = self._box is None or self._frame % self._settings.search_every == 0
         self._frame += 1
-        if search or not (self._alike(grey) or self._confirm(grey)):
+        known = self._box is not None and self._frame % self._settings.search_every != 1
+        crop = self._face(grey) if known else None
+        if not known or not (self._alike(crop) or self._confirm(grey)):
             found = self._search(grey)
             if found is None and not (self._box is not None and self._confirm(grey)):
                 self._confirmed = None
@@ -70,16 +72,21 @@ class DlibTracker:
             if found is not None and self._moved(found):
                 self._box = found
                 # The detector's own box only starts the points; they then say where their box is.
-                self._box = box_of(self._predict(grey, self._box))
+                self._box = box_of(self._predict(*self._face(grey)))
             self._confirmed = None
-        points = self._predict(grey, self._box)
+            crop = self._face(grey)
+        if self._confirmed is None:
+            self._confirmed = _likeness(crop[0])
+        points = self._predict(*crop)
         for number in range(1, self._settings.predictions):
-            points = points + self._predict(grey, _shaken(self._box, number))
+            points = points + self._predict(*self._face(grey, _shaken(self._box, number)))
         points = points / max(self._settings.predictions, 1)
         self._box = self._box + FOLLOW * (box_of(points) - self._box)
-        if self._confirmed is None:
-            self._confirmed = self._small(grey)
         return points
+
+    def _face(self, grey: np.ndarray, box: np.ndarray | None = None) -> tuple[np.ndarray, np.ndarray]:
+        """The crop from which points are predicted, and the map into it."""
+        return self._crop(grey, self._box if box is None else box, self._settings.face_pixels, CROP_SIDES)
 
     def _crop(self, grey: np.ndarray, box: np.ndarray, face: float, sides: float) -> tuple[np.ndarray, np.ndarray]:
         """An upright square around the box in which the face is ``face`` pixels wide, and the (2, 3) map into it."""
@@ -100,24 +107,19 @@ class DlibTracker:
         )
         return crop, matrix
 
-    def _predict(self, grey: np.ndarray, box: np.ndarray) -> np.ndarray:
+    def _predict(self, crop: np.ndarray, matrix: np.ndarray) -> np.ndarray:
         import dlib
 
         face = self._settings.face_pixels
-        crop, matrix = self._crop(grey, box, face, CROP_SIDES)
         low = (crop.shape[0] - face) // 2
         shape = self._predictor(crop, dlib.rectangle(low, low, low + face, low + face))
         points = np.array([(part.x, part.y) for part in shape.parts()], float)
         return np.linalg.solve(matrix[:, :2], (points - matrix[:, 2]).T).T
 
-    def _small(self, grey: np.ndarray) -> np.ndarray:
-        picture = self._crop(grey, self._box, LIKENESS_PIXELS, 1.0)[0].astype(float)
-        return (picture - picture.mean()) / max(picture.std(), 1e-6)
-
-    def _alike(self, grey: np.ndarray) -> bool:
+    def _alike(self, crop: tuple[np.ndarray, np.ndarray]) -> bool:
         if self._confirmed is None:
             return False
-        return float((self._small(grey) * self._confirmed).mean()) >= self._settings.likeness
+        return float((_likeness(crop[0]) * self._confirmed).mean()) >= self._settings.likeness
 
     def _confirm(self, grey: np.ndarray) -> bool:
         crop = self._crop(grey, self._box, CONFIRM_PIXELS, CONFIRM_SIDES)[0]
@@ -129,7 +131,10 @@ class DlibTracker:
         picture = grey
         if scale < 1.0:
             picture = self._cv.resize(grey, None, fx=scale, fy=scale, interpolation=self._cv.INTER_AREA)
-        rectangles, scores, _ = self._detector.run(picture, 0, 0.0)
+        # The detector's faces are at least 80 pixels wide; before one is known, half as wide ones are looked for at
+        # times, which takes four times as long.
+        twice = int(self._box is None and self._frame % self._settings.search_every == 1)
+        rectangles, scores, _ = self._detector.run(picture, twice, 0.0)
         if not rectangles:
             return None
         boxes = np.array([((r.left() + r.right()) / 2, (r.top() + r.bottom()) / 2, r.width(), 0) for r in rectangles])
@@ -160,6 +165,13 @@ def box_of(points: np.ndarray) -> np.ndarray:
     roll = np.arctan2(eyes[1], eyes[0])
     down = np.array([-np.sin(roll), np.cos(roll)])
     return np.array([*(centre + BOX_BELOW * radius * down), BOX_SIDE * radius, roll])
+
+
+def _likeness(crop: np.ndarray) -> np.ndarray:
+    """A handful of the crop's pixels with their mean and deviation taken out: what the face looks like at a glance."""
+    step = max(len(crop) // LIKENESS_PIXELS, 1)
+    sample = crop[step // 2 :: step, step // 2 :: step].astype(float)
+    return (sample - sample.mean()) / max(sample.std(), 1e-6)
 
 
 def _shaken(box: np.ndarray, number: int) -> np.ndarray:

@@ -74,9 +74,9 @@ class FrameWatch:
 
         for frame in frames:
             # Shrunk first: the mean of the colours does for grey here and costs next to nothing.
-            small = cv2.resize(frame, SMALL, interpolation=cv2.INTER_AREA).mean(axis=2)
-            self._deviation.append(small.std())
-            self._change.append(0.0 if self._last is None else np.abs(small - self._last).mean())
+            small = cv2.resize(frame, SMALL, interpolation=cv2.INTER_AREA).mean(axis=2, dtype=np.float32)
+            self._deviation.append(float(small.std()))
+            self._change.append(0.0 if self._last is None else float(np.abs(small - self._last).mean()))
             self._last = small
             yield frame
 
