@@ -18,7 +18,7 @@ from visualspeech.errors import StorageError
 
 
 def _explain(error: OSError, path: Path) -> StorageError:
-    reason = error.strerror or str(error)
+    reason = os.strerror(error.errno) if error.errno else error.strerror or str(error)
     return StorageError(
         f"cannot write {path}: {reason}. Check that the folder exists, that you may write to it and that the disk is "
         "not full; then run the same command again, finished work is kept."
@@ -50,10 +50,21 @@ def replacing(path: str | Path) -> Iterator[Path]:
                 _remove(path)
             os.replace(temporary, path)
         except OSError as error:
+            if _concerns_another(error, path, temporary):
+                raise
             raise _explain(error, path) from error
     finally:
         if temporary is not None:
             _remove(temporary)
+
+
+def _concerns_another(error: OSError, path: Path, temporary: Path | None) -> bool:
+    """Whether an error names a file that has nothing to do with writing ``path``, such as one that is being read."""
+    if not isinstance(error.filename, str | bytes | os.PathLike):
+        return False
+    named = Path(os.fsdecode(error.filename))
+    ours = {path, *path.parents, temporary}
+    return named not in ours and temporary not in named.parents
 
 
 def _remove(path: Path) -> None:
@@ -186,8 +197,10 @@ class ArrayWriter:
         try:
             if self._file is not None:
                 self._file.close()
-        except OSError as full:
-            kind, error, trace = type(full), full, full.__traceback__
+        except (OSError, RuntimeError) as full:  # closing a file on a full disk raises either
+            if not isinstance(error, OSError):
+                error = full if isinstance(full, OSError) else OSError(str(full))
+                kind, trace = type(error), error.__traceback__
         self._context.__exit__(kind, error, trace)
 
 
