@@ -18,7 +18,7 @@ def depth(points: np.ndarray) -> np.ndarray:
     """z of the face's surface at canonical points (..., 2); the nose stands out."""
     x, y = points[..., 0] - MIDDLE, points[..., 1]
     skull = 95 * np.exp(-(x**2) / (2 * 62**2) - (y - 175) ** 2 / (2 * 105**2))
-    tip = 18 * np.exp(-(x**2) / (2 * 12**2) - (y - 197) ** 2 / (2 * 13**2))
+    tip = 18 * np.exp(-(x**2) / (2 * 12**2) - (y - 191) ** 2 / (2 * 13**2))
     ridge = 9 * np.exp(-(x**2) / (2 * 10**2) - (y - 172) ** 2 / (2 * 20**2))
     return 60.0 - skull - tip - ridge
 
@@ -48,7 +48,7 @@ def project(points: np.ndarray, rotation: np.ndarray, translation: np.ndarray) -
     return CENTRE + turned[..., :2] / (1 + turned[..., 2:] / DISTANCE)
 
 
-def unproject(pixels: np.ndarray, rotation: np.ndarray, translation: np.ndarray, steps: int = 5) -> np.ndarray:
+def unproject(pixels: np.ndarray, rotation: np.ndarray, translation: np.ndarray, steps: int = 4) -> np.ndarray:
     """The inverse of :func:`project` by fixed-point iteration, which shrinks the error about fivefold a step."""
     points = pixels.copy()
     for _ in range(steps):

@@ -4,10 +4,12 @@ from functools import lru_cache
 
 import numpy as np
 
-from visualspeech.corpora.demo.portrait import HEIGHT, MIDDLE, SEAM_BEND, WIDTH, neutral_points, seam
+from visualspeech.corpora.demo.portrait import MIDDLE, SEAM_BEND, neutral_points, seam
 from visualspeech.corpora.demo.warp import evaluate, thin_plate
 
 HALF_WIDTH = 27.0
+REACH = 96.0  # half the width of what the mouth's movement reaches: the jaw and a little more
+TOP, BOTTOM = 165, 300
 CORNER = 231.5
 # Share of the chin's drop that each jaw point takes part in.
 _JAW_SHARE = np.array([0, 0, 0.02, 0.08, 0.25, 0.55, 0.85, 0.97, 1.0, 0.97, 0.85, 0.55, 0.25, 0.08, 0.02, 0, 0])
@@ -103,8 +105,8 @@ class MouthWarp:
     def __call__(self, places: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Resting places (m, 2) of canonical places (m, 2): by the upper and by the lower field."""
         # The movement ends softly above the nose's base and outside the face.
-        low = np.clip((places[:, 1] - 165) / 35, 0, 1)
-        side = np.clip((118 - np.abs(places[:, 0] - MIDDLE)) / 25, 0, 1)
+        low = np.clip((places[:, 1] - TOP) / 30, 0, 1)
+        side = np.clip((REACH - np.abs(places[:, 0] - MIDDLE)) / 20, 0, 1)
         weight = (low * low * (3 - 2 * low) * side)[:, None]
         return tuple(places + weight * evaluate(field, target, places) for field, target in self._fields)
 
@@ -148,7 +150,3 @@ def _teeth(x: np.ndarray, borders: tuple, light: float) -> np.ndarray:
     """Colour of a row of teeth whose borders lie at these distances from the middle."""
     gaps = sum(np.exp(-(((np.abs(x) - border) / 0.55) ** 2)) for border in borders)
     return (light * (1 - 0.28 * gaps))[..., None] * np.array([214, 204, 184], np.float32)
-
-
-BOX = (40, 165, WIDTH - 41, HEIGHT - 15)
-"""Left, top, right, bottom of the canonical part that the mouth's movement can reach."""

@@ -4,7 +4,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-_SKIN = np.array([186, 138, 108], np.float32)
+_SKIN = np.array([190, 146, 110], np.float32)
 
 
 def made_up(colours: np.ndarray, points: np.ndarray, seam: Callable, scale: int) -> np.ndarray:
@@ -48,10 +48,10 @@ def _softened_folds(cv2, colours: np.ndarray, points: np.ndarray, scale: int) ->
     """The smile of the photograph left folds beside the mouth: bring them nearer to their surroundings."""
     centre = points[48:60].mean(axis=0)
     y, x = np.mgrid[: colours.shape[0], : colours.shape[1]].astype(np.float32) / scale
-    around = np.exp(-(((np.abs(x - centre[0]) - 34) / 13) ** 2) - ((y - centre[1] + 8) / 20) ** 2)
+    around = np.exp(-(((np.abs(x - centre[0]) - 38) / 13) ** 2) - ((y - centre[1] + 20) / 24) ** 2)
     smooth = cv2.GaussianBlur(colours, (0, 0), 6 * scale)
     light = np.array([6, 4, 3], np.float32)
-    return colours + 0.6 * around[..., None] * (smooth + light - colours)
+    return colours + 0.8 * around[..., None] * (smooth + light - colours)
 
 
 def _lips(cv2, colours: np.ndarray, points: np.ndarray, seam: Callable, scale: int) -> np.ndarray:

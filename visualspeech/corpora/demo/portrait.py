@@ -23,7 +23,7 @@ MIDDLE = 159.5
 _JAW = "119.7 104 120 115.3 121 127 122 138 125 150 131 160 140 168.5 150 175.5 163 178 173 177 184 171 194 163 201 154"
 _JAW += " 205.5 143 208.5 131 211 120 212.5 108"
 _BROWS = "129 90.5 134 88.5 140 88 147 90.5 154 93 178 93.5 185 92.5 192 92.5 198 93.5 203 96.5"
-_NOSE = "164.5 102.5 164.5 111 164.5 119 164.5 127 155 130.5 159.5 132.5 164.5 134 169.5 133 174.5 131.5"
+_NOSE = "165.7 102.5 165.7 111 165.7 119 165.7 127 156 130.5 160.7 132.5 165.7 134 170.7 133 175.5 131.5"
 _EYES = (
     "132 101.5 137.5 97.2 146 97.4 153 104 147 105 139 104.6 175.5 105 182 99.5 190 99.7 198.5 104.5 191 107 183 107"
 )
@@ -41,12 +41,13 @@ _HAIRLINE = _HAIRLINE.reshape(-1, 2)
 
 # The canonical face: its left half as distance from the middle and height, mirrored for the other half.
 _HALF_JAW = [(75, 150), (75, 170), (73.5, 190), (70.5, 210), (65, 229), (55.5, 246), (41, 261), (23, 272), (0, 276.5)]
-_HALF_BROW = [(59, 135), (51, 128), (40, 126), (28, 128), (17, 132)]
-_HALF_EYE = [(54, 152), (45, 145.0), (34, 144.5), (23, 153), (33, 156.5), (44, 156.5)]
-_HALF_NOSE = [(17.5, 203), (9, 206.5)]
-_BRIDGE = [(0, 152), (0, 166), (0, 180), (0, 194)]
-_HALF_UPPER = [(27, 231.5), (18, 225.5), (8, 221.8), (0, 223.2)]
-_HALF_LOWER = [(18, 240.5), (9, 244.8), (0, 245.8)]
+_HALF_BROW = [(60, 133.5), (52, 126.5), (41, 124.5), (28, 126.5), (17, 130.5)]
+_HALF_EYE = [(56, 155), (47.5, 149), (37.5, 148.5), (27, 155.5), (36.5, 158.7), (46.5, 158.7)]
+_HALF_NOSE = [(20, 200), (10, 203)]
+_BRIDGE = [(0, 152), (0, 164.5), (0, 177), (0, 189.5)]
+_NOSE_BASE = 204.5
+_HALF_UPPER = [(27, 231.5), (18, 226.6), (8, 223.8), (0, 225.0)]
+_HALF_LOWER = [(18, 238.2), (9, 241.8), (0, 242.6)]
 SEAM_BEND = 1.3
 _HAIR_TARGET = np.array(
     "81 190 77 184 64 160 55 128 53 106 60 84 78 64 98 52 108 42 126 31 152 26 174 25 202 32 228 46 248 68 260 96 "
@@ -70,7 +71,7 @@ def neutral_points() -> np.ndarray:
     left, right = _mirrored(_HALF_BROW)
     brows = np.concatenate([left, right[::-1]])
     left, right = _mirrored(_HALF_NOSE)
-    nose = np.concatenate([np.array(_BRIDGE, float) + [MIDDLE, 0], left, [[MIDDLE, 208.5]], right[::-1]])
+    nose = np.concatenate([np.array(_BRIDGE, float) + [MIDDLE, 0], left, [[MIDDLE, _NOSE_BASE]], right[::-1]])
     left, right = _mirrored(_HALF_EYE)
     eyes = np.concatenate([left, right[[3, 2, 1, 0, 5, 4]]])
     upper_left, upper_right = _mirrored(_HALF_UPPER)
@@ -161,7 +162,7 @@ def _source_maps() -> np.ndarray:
 
 def _coverage(cv2, photograph: np.ndarray) -> np.ndarray:
     """Coverage 0..1 of the head in the photograph: a hand-drawn outline, its border found by the backdrop's colour."""
-    outline = np.concatenate([_HAIR, _SOURCE[16:0:-1]])
+    outline = np.concatenate([_HAIR, _SOURCE[13:2:-1]])
     inside = np.zeros(photograph.shape[:2], np.uint8)
     cv2.fillPoly(inside, [np.round(outline * 16).astype(np.int32)], 255, cv2.LINE_AA, 4)
     drawn = cv2.GaussianBlur(cv2.erode(inside, np.ones((3, 3), np.uint8)).astype(np.float32) / 255, (0, 0), 0.8)

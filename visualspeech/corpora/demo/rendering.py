@@ -5,10 +5,9 @@ import numpy as np
 from visualspeech.corpora.demo import camera, mouth
 from visualspeech.corpora.demo.motion import Motion
 from visualspeech.corpora.demo.portrait import HEIGHT, MIDDLE, SCALE, WIDTH, above_seam, portrait, seam
-from visualspeech.corpora.demo.warp import grid
 
-_STEP = 5
-_MARGIN = 5
+_STEP = 6
+_CELLS = (WIDTH // _STEP + 4, HEIGHT // _STEP + 3)  # columns and rows of the coarse grid, one cell beyond each border
 _EYES = ((37, 38, 40, 41, 36, 39), (43, 44, 46, 47, 42, 45))
 _LID_TRAVEL = 14.0
 
@@ -35,11 +34,11 @@ class Renderer:
         cover = made.body[..., 3:] / 255.0
         self._scene = (made.backdrop * (1 - cover) + made.body[..., :3] * cover).astype(np.uint8)
         grain = np.random.default_rng(25).standard_normal((8, HEIGHT, WIDTH, 1), dtype=np.float32)
-        self._grain = 1.3 * grain
-        self._places, self._rows, self._columns = grid(
-            -_MARGIN, -_MARGIN, WIDTH + _MARGIN - 1 + _STEP, HEIGHT + _MARGIN - 1 + _STEP, _STEP
-        )
-        self._rest = made
+        self._grain = np.repeat(1.3 * grain, 3, axis=3)
+        # Centres of cells of _STEP pixels, the first cell before the border: cv2.resize then puts them where they are.
+        x = (np.arange(_CELLS[0]) - 0.5) * _STEP - 0.5
+        y = (np.arange(_CELLS[1]) - 0.5) * _STEP - 0.5
+        self._places = np.stack([np.tile(x, len(y)), np.repeat(y, len(x))], axis=1)
 
     def frame(self, parameters: np.ndarray, motion: Motion, index: int) -> np.ndarray:
         """One frame, RGB uint8 (HEIGHT, WIDTH, 3).
@@ -53,32 +52,38 @@ class Renderer:
         cv2 = self._cv2
         rotation, translation = motion.rotation[index], motion.translation[index]
         canonical = camera.unproject(self._places, rotation, translation)
-        reached = (canonical[:, 1] > mouth.BOX[1]) & (np.abs(canonical[:, 0] - MIDDLE) < 120)
+        reached = (canonical[:, 1] > mouth.TOP) & (np.abs(canonical[:, 0] - MIDDLE) < mouth.REACH)
         upper, lower = canonical.copy(), canonical.copy()
         upper[reached], lower[reached] = mouth.MouthWarp(parameters)(canonical[reached])
-        upper, lower, canonical = (self._dense(field) for field in (upper, lower, canonical))
+        upper = self._dense(upper)
         if motion.closed_eyes[index] > 0.01:
-            upper = self._with_lids(upper, canonical, motion.closed_eyes[index])
+            upper = self._with_lids(upper, self._dense(canonical), motion.closed_eyes[index])
 
         head = self._sample(upper)
         box = self._box(rotation, translation)
-        head[box] = self._with_mouth(head[box], upper[box], lower[box], canonical[box], parameters)
+        lower, canonical = (self._dense(field)[box] for field in (lower, canonical))
+        head[box] = self._with_mouth(head[box], upper[box], lower, canonical, parameters)
         sway = np.float32([[1, 0, 0.35 * translation[0]], [0, 1, 0.2 * translation[1]]])
-        scene = cv2.warpAffine(self._scene, sway, (WIDTH, HEIGHT), borderMode=cv2.BORDER_REPLICATE).astype(np.float32)
-        cover = head[..., 3:] * np.float32(1 / 255)
-        picture = scene + cover * (head[..., :3] - scene)
+        scene = cv2.warpAffine(self._scene, sway, (WIDTH, HEIGHT), borderMode=cv2.BORDER_REPLICATE)
+        picture = self._over(head, scene)
         across = (np.arange(WIDTH, dtype=np.float32) - MIDDLE) / WIDTH
         light = (1 + motion.slope * across)[None, :, None] * motion.gain[index].astype(np.float32)
-        picture = picture * light + self._grain[(index * 5) % 8]
-        return np.clip(picture + 0.5, 0, 255).astype(np.uint8)
+        picture = cv2.multiply(picture, np.repeat(light, HEIGHT, axis=0))
+        return cv2.add(picture, self._grain[(index * 5) % 8], dtype=cv2.CV_8U)
+
+    def _over(self, head: np.ndarray, scene: np.ndarray) -> np.ndarray:
+        """The head before the scene, float32 RGB."""
+        cv2 = self._cv2
+        colours, cover = head[..., :3], cv2.cvtColor(head[..., 3], cv2.COLOR_GRAY2RGB)
+        behind = scene.astype(np.float32)
+        return cv2.add(behind, cv2.multiply(cv2.subtract(colours, behind), cover, scale=1 / 255))
 
     def _dense(self, coarse: np.ndarray) -> np.ndarray:
         """A field on the coarse grid (n, 2) to every pixel (HEIGHT, WIDTH, 2) float32."""
-        cv2 = self._cv2
-        field = coarse.reshape(self._rows, self._columns, 2).astype(np.float32)
-        # Pixel x lies at (x + margin) / step of the grid.
-        affine = np.float32([[_STEP, 0, -_MARGIN], [0, _STEP, -_MARGIN]])
-        return cv2.warpAffine(field, affine, (WIDTH, HEIGHT), flags=cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
+        columns, rows = _CELLS
+        field = coarse.reshape(rows, columns, 2).astype(np.float32)
+        dense = self._cv2.resize(field, (columns * _STEP, rows * _STEP), interpolation=self._cv2.INTER_LINEAR)
+        return dense[_STEP : _STEP + HEIGHT, _STEP : _STEP + WIDTH]
 
     def _sample(self, places: np.ndarray) -> np.ndarray:
         """The head picture at canonical places (rows, columns, 2), float32 RGB and coverage."""
@@ -89,7 +94,7 @@ class Renderer:
 
     def _box(self, rotation: np.ndarray, translation: np.ndarray) -> tuple[slice, slice]:
         """The part of the picture that the moving lower face can fill."""
-        left, top, right, bottom = mouth.BOX
+        left, top, right, bottom = MIDDLE - mouth.REACH, mouth.TOP, MIDDLE + mouth.REACH, mouth.BOTTOM
         corners = np.array([[left, top], [right, top], [left, bottom], [right, bottom], [MIDDLE, top]], float)
         seen = camera.project(corners, rotation, translation)
         x0, y0 = np.maximum(np.floor(seen.min(axis=0)).astype(int), 0)
