@@ -39,6 +39,7 @@ FOLLOWS[NOSE] = 0.0
 them is noise; they stay where they were recorded."""
 
 _CONTROLS = np.r_[JAW, NOSE, OUTER_LIPS, 46:POINTS]
+_AROUND = np.r_[JAW, NOSE, 46:50]  # what moves slowly
 _PAINTED = np.array([*range(2, 15), 25, 24, 23, 22, 21])  # outline of what is painted: jaw line and base of the nose
 
 
@@ -51,14 +52,14 @@ class RenderSettings:
     opaque : share of the way from the border of the painted region to the lips at which it becomes opaque; smaller is
         a narrower seam (0..1)
     reach : how far around the jaw the recording gives way, as a share of the width of the face
-    point_smoothing : standard deviation in frames of the Gaussian over the recorded jaw and cheeks: tracking noise in
-        them would shake the warped surroundings
+    point_smoothing : standard deviation in frames of the Gaussian over the recorded points and over the target's jaw
+        and cheeks, not its lips: noise in them would shake the warped surroundings
     colour_smoothing : standard deviation in frames of the Gaussian over the colour offset; 0 for none
     colour_limit : largest colour offset in grey levels
     """
 
     opaque: float = 0.6
-    reach: float = 0.6
+    reach: float = 0.45
     point_smoothing: float = 1.0
     colour_smoothing: float = 2.0
     colour_limit: float = 60.0
@@ -67,7 +68,7 @@ class RenderSettings:
         if not 0 < self.opaque <= 1:
             raise SettingError(f"opaque is {self.opaque!r}; give a share above 0, up to 1 (0.6 serves).")
         if not 0.2 <= self.reach <= 2:
-            raise SettingError(f"reach is {self.reach!r}; give a share of the face's width from 0.2 to 2 (0.6 serves).")
+            raise SettingError(f"reach is {self.reach!r}; give a share of the face's width from 0.2 to 2 (0.45 serves).")
         for name in ("point_smoothing", "colour_smoothing", "colour_limit"):
             if not getattr(self, name) >= 0:
                 raise SettingError(f"{name} is {getattr(self, name)!r}; give a number of 0 or more.")
@@ -114,7 +115,10 @@ def place(
     # Smoothed in the normalised face, where the head's own movement is not smoothed with it.
     frontal = to_frontal(lower_face(np.asarray(landmarks, np.float64)), pose, head, depth)
     recorded = smooth(frontal, settings.point_smoothing)
-    target = recorded + FOLLOWS[:, None] * (to_points(np.asarray(shape, np.float64)) - recorded)
+    wanted = to_points(np.asarray(shape, np.float64))
+    # The lips keep the target's own time course: they close for a frame or two only.
+    wanted[:, _AROUND] = smooth(wanted[:, _AROUND], settings.point_smoothing)
+    target = recorded + FOLLOWS[:, None] * (wanted - recorded)
     return Placement(to_image(recorded, pose, head, depth), to_image(target, pose, head, depth))
 
 

@@ -1,0 +1,47 @@
+"""Frames a second of the talking head, on one core, for two sizes of picture.
+
+``python -m benchmarks.rendering [frames]``: a drawn face with a moving mouth and a texture of 6000 pixels; the face
+fills the picture as it does in GRID (100 pixels wide in 360 x 288). Times are process CPU times of this process.
+"""
+
+import sys
+import time
+
+import cv2
+import numpy as np
+
+from tests.unit.animation.faces import draw, points68, reference
+from visualspeech.animation.rendering import Placement, talking_head
+from visualspeech.animation.video import Panel, side_by_side
+from visualspeech.face.aam.points import lower_face
+from visualspeech.face.aam.reference import sample_texture
+
+SIZES = ((360, 288), (720, 576))
+
+
+def main() -> None:
+    count = int(sys.argv[1]) if len(sys.argv) > 1 else 150
+    cv2.setNumThreads(1)
+    texture_grid = reference(6000)
+    for width, height in SIZES:
+        scale = width / 360
+        openings = 6 + 6 * np.sin(np.arange(count) / 3)
+        closed = points68(0, scale=75 * scale, centre=(width / 2, 0.48 * height))
+        frame = draw(closed, size=(width, height))
+        targets = [
+            points68(scale * o, drop=scale * o / 2, scale=75 * scale, centre=(width / 2, 0.48 * height))
+            for o in openings
+        ]
+        placement = Placement(np.repeat(lower_face(closed)[None], count, 0), lower_face(np.stack(targets)))
+        textures = [
+            sample_texture(draw(points, size=(width, height)), lower_face(points), texture_grid) for points in targets
+        ]
+        start = time.process_time()
+        stream = talking_head((frame for _ in range(count)), placement, textures, texture_grid)
+        rendered = sum(1 for _ in side_by_side([Panel("prediction", stream)]))
+        spent = time.process_time() - start
+        print(f"{width} x {height}: {rendered / spent:.0f} frames/s a panel, {1000 * spent / rendered:.1f} ms a frame")
+
+
+if __name__ == "__main__":
+    main()
