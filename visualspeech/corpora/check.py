@@ -158,7 +158,12 @@ def _check_pictures(scan: media.VideoScan, info: media.MediaInfo, settings: Chec
         )
     steps = np.diff(scan.times) * info.rate
     uneven = int((np.abs(steps - 1) > settings.uneven_steps).sum())
-    if uneven:
+    if uneven and uneven < 0.05 * len(steps):
+        warn(
+            f"{uneven} gap{'s' * (uneven > 1)} between pictures, the longest {steps.max() / info.rate * 1000:.0f} ms",
+            "It is used, with pictures repeated there. Copy the recording again from its source if that is too much.",
+        )
+    elif uneven:
         warn(
             f"variable frame rate: {uneven} of {len(steps)} steps between pictures are uneven, the longest "
             f"{steps.max() / info.rate * 1000:.0f} ms at {info.rate:.4g} frames per second on average",
@@ -282,7 +287,7 @@ def clipped_share(sound: np.ndarray) -> float:
     counts, _ = np.histogram(np.log(np.maximum(size / peak, 1e-6)), borders)
     windows = np.convolve(counts, np.ones(width, int), "valid")
     above, below = windows[width:], windows[:-width]
-    upper = borders[2 * width :] >= np.log(0.7)
+    upper = borders[2 * width :] >= np.log(0.6)
     hills = above[upper & (above >= 0.002 * len(size)) & (above >= 1.7 * below)]
     return max(at_peak, float(hills.max(initial=0)) / len(size))
 

@@ -1,0 +1,101 @@
+"""A folder of recordings as people have them."""
+
+import pytest
+
+from visualspeech.corpora.adapters import list_utterances
+from visualspeech.corpora.folder import utterances
+from visualspeech.errors import CorpusError, SettingError
+
+
+def corpus(root, **settings):
+    return {"name": "mine", "adapter": "folder", "root": str(root), **settings}
+
+
+def test_a_text_file_beside_each_video(tmp_path):
+    (tmp_path / "anna").mkdir()
+    for name in ("one.MP4", "anna/two words.mov", "._one.mp4", "three.mpg"):
+        (tmp_path / name).write_bytes(b"")
+    (tmp_path / "one.txt").write_text("First line,\n second   line.\n")
+    (tmp_path / "anna" / "two words.txt").write_text("Zwei")
+    found = {one.id: one for one in utterances(corpus(tmp_path))}
+    assert sorted(found) == ["anna-two_words", "one", "three"]
+    assert found["one"].transcript == "First line, second line."
+    assert found["three"].transcript == ""
+    assert (found["one"].speaker, found["anna-two_words"].speaker) == ("mine", "anna")
+    assert found["one"].media == str(tmp_path / "one.MP4")
+    assert {one.speaker for one in utterances(corpus(tmp_path, speaker="ben"))} == {"ben"}
+
+
+@pytest.mark.parametrize("encoding", ["utf-8", "utf-8-sig", "utf-16", "cp1252"])
+def test_transcripts_in_the_encodings_of_editors(tmp_path, encoding):
+    (tmp_path / "a.mp4").write_bytes(b"")
+    (tmp_path / "a.txt").write_bytes("naïve café – it’s".encode(encoding))
+    assert utterances(corpus(tmp_path))[0].transcript == "naïve café – it’s"
+
+
+def test_a_table_with_all_columns(tmp_path):
+    (tmp_path / "list.tsv").write_text(
+        "File\ttranscript\tid\tspeaker\tsplit\temotion\tstart\tend\tnotes\n"
+        'v/a.mp4\t"Hi" there\tu1\tanna\ttrain\thappy\t0.5\t2\tx\n'
+        "\n"
+        "v/b.mp4\tbye\n"
+    )
+    one, two = utterances(corpus(tmp_path, table="list.tsv"))
+    assert (one.id, one.speaker, one.split, one.emotion, one.start, one.end) == (
+        "u1",
+        "anna",
+        "train",
+        "happy",
+        0.5,
+        2.0,
+    )
+    assert one.transcript == '"Hi" there' and one.media == str(tmp_path / "v/a.mp4")
+    assert (two.id, two.speaker, two.split, two.start, two.end) == ("v-b", "v", "", 0.0, 0.0)
+
+
+@pytest.mark.parametrize("delimiter", [",", ";"])
+def test_a_table_of_a_spreadsheet(tmp_path, delimiter):
+    row = delimiter.join(["a.mp4", '"yes, it is; really"'])
+    (tmp_path / "list.csv").write_text(f"file{delimiter}transcript\n{row}\n", encoding="utf-8-sig")
+    assert utterances(corpus(tmp_path, table="list.csv"))[0].transcript == "yes, it is; really"
+
+
+def test_several_utterances_of_one_recording_get_ids_of_their_own(tmp_path):
+    table = tmp_path / "elsewhere.csv"
+    table.write_text("file,transcript,start,end\na.mp4,one,0,1\na.mp4,two,1,2\nb.mp4,three,,\n")
+    root = tmp_path / "videos"
+    root.mkdir()
+    found = list_utterances(corpus(root, table=str(table)))
+    assert [one.id for one in found] == ["a-0001", "a-0002", "b"]
+
+
+@pytest.mark.parametrize(
+    ("content", "said"),
+    [
+        ("", "no column `file`"),
+        ("name,transcript\n", "no column `file` .*name, transcript"),
+        ("file,text\n", "no column `transcript`"),
+        ("file,transcript,speakr\na.mp4,x,y\n", "`speakr`; if `speaker` is meant"),
+        ("file,transcript,transcript\n", "two columns named `transcript`"),
+        ("file,transcript\n", "no rows"),
+        ("file,transcript\n,hello\n", "line 2: the column `file` is empty"),
+        ("file,transcript,start,end\na.mp4,x,2,1\n", "`end` 1 is not after `start` 2"),
+        ("file,transcript,start\na.mp4,x,1:30\n", "`start` is '1:30', not a time"),
+        ("file,transcript,end\na.mp4,x,nan\n", "`end` is 'nan', not a time"),
+        ("file,transcript,split\na.mp4,x,val\n", "split of utterance a is 'val'"),
+        ("file,transcript,id\na.mp4,x,a/b\n", "the id 'a/b' cannot be used"),
+        ("file,transcript,id\na.mp4,x,u\nb.mp4,y,u\n", "two utterances have one id"),
+    ],
+)
+def test_a_bad_table_is_a_sentence(tmp_path, content, said):
+    (tmp_path / "list.csv").write_text(content)
+    with pytest.raises(CorpusError, match=said):
+        list_utterances(corpus(tmp_path, table="list.csv"))
+
+
+def test_a_table_that_is_missing_or_no_text(tmp_path):
+    with pytest.raises(SettingError, match="table none.csv .* does not exist"):
+        utterances(corpus(tmp_path, table="none.csv"))
+    (tmp_path / "list.csv").write_bytes(b"PK\x03\x04\xff\xfa\x80 a spreadsheet")
+    with pytest.raises(CorpusError, match="not UTF-8"):
+        utterances(corpus(tmp_path, table="list.csv"))

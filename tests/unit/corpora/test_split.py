@@ -1,0 +1,59 @@
+"""The split: seeded, by utterance, stable, or the corpus's own."""
+
+from collections import Counter
+
+import pytest
+
+from visualspeech.corpora.records import Utterance
+from visualspeech.corpora.split import split_utterances
+from visualspeech.errors import CorpusError, SettingError
+
+
+def corpus(count, split=lambda number: ""):
+    return [Utterance(f"u{number:04d}", "s", f"{number}.mp4", "text", split(number)) for number in range(count)]
+
+
+@pytest.mark.parametrize(("count", "sizes"), [(400, (320, 40, 40)), (60, (48, 6, 6)), (12, (10, 1, 1)), (3, (1, 1, 1))])
+def test_sizes(count, sizes):
+    counts = Counter(split_utterances(corpus(count)).values())
+    assert (counts["train"], counts["validation"], counts["test"]) == sizes
+
+
+@pytest.mark.parametrize("count", range(3, 30))
+def test_every_part_has_an_utterance_whatever_the_fractions(count):
+    for fractions in ((0.98, 0.01, 0.01), (0.02, 0.49, 0.49), (0.01, 0.01, 0.98)):
+        assert set(split_utterances(corpus(count), fractions).values()) == {"train", "validation", "test"}
+
+
+def test_the_seed_decides_and_the_order_does_not():
+    utterances = corpus(100)
+    split = split_utterances(utterances, seed=1)
+    assert split == split_utterances(utterances[::-1], seed=1)
+    assert split != split_utterances(utterances, seed=2)
+    assert list(split) == sorted(split)
+
+
+def test_a_corpus_that_grows_changes_few_assignments():
+    before = split_utterances(corpus(400))
+    after = split_utterances(corpus(410))
+    assert sum(before[name] != after[name] for name in before) <= 6
+
+
+def test_a_corpus_may_bring_its_own_split():
+    own = corpus(6, lambda number: ("train", "train", "validation", "test")[number % 4])
+    assert split_utterances(own, (0.8, 0.1, 0.1)) == {one.id: one.split for one in own}
+
+
+def test_half_a_split_is_refused():
+    with pytest.raises(CorpusError, match=r"u0003 has no split.*\(2 of 5 are without"):
+        split_utterances(corpus(5, lambda number: "" if number >= 3 else ("train", "validation", "test")[number]))
+    with pytest.raises(CorpusError, match="no utterance in 'validation'"):
+        split_utterances(corpus(4, lambda number: "train" if number else "test"))
+
+
+def test_bad_fractions_and_too_few_utterances_are_sentences():
+    for fractions in ((0.8, 0.1, 0.2), (1.0, 0.0, 0.0), (1.2, -0.1, -0.1), (0.5, 0.5)):
+        with pytest.raises(SettingError, match="split"):
+            split_utterances(corpus(10), fractions)
+    with pytest.raises(CorpusError, match="at least three"):
+        split_utterances(corpus(2))
