@@ -227,7 +227,9 @@ def write_video(
                 video.thread_count = 1
                 video.height, video.width = picture.shape[:2]
                 video.pix_fmt = "yuv420p"
-            out.mux(video.encode(av.VideoFrame.from_ndarray(np.ascontiguousarray(picture), format="rgb24")))
+            frame = av.VideoFrame.from_ndarray(np.ascontiguousarray(picture), format="rgb24")
+            # Left to encode(), the conversion gives bytes that differ from run to run (PyAV 18.1).
+            out.mux(video.encode(frame.reformat(format="yuv420p")))
         if video is not None:
             out.mux(video.encode(None))
         if sound is not None:
