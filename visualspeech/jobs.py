@@ -21,7 +21,9 @@ def job(log_path: str | Path) -> Iterator[None]:
     defect: the terminal names the log, and the log holds the traceback.
     """
     Path(log_path).parent.mkdir(parents=True, exist_ok=True)
-    name = Path(log_path).stem
+    path = Path(log_path)
+    # A shard or model is named after its stage.
+    name = path.stem if path.parent.name == "logs" else f"{path.parent.name} {path.stem}"
     file = logging.FileHandler(log_path, mode="w", encoding="utf-8")
     terminal = logging.StreamHandler(sys.stderr)
     for handler in (file, terminal):
