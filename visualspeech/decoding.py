@@ -13,6 +13,7 @@ from visualspeech.timing import frames_in
 UNREADABLE = "Play the file in a media player; copy or convert it again (H.264 video and AAC sound in MP4 is safe)."
 SOUND_GAP = 0.04  # seconds of missing sound from which on it is filled with silence instead of closed up
 SEEK_FROM = 20.0  # seconds into a recording from which on seeking pays
+LONGEST_GAP = 10.0  # seconds; a time stamp further ahead is taken for an error
 BEFORE = 12.0  # seconds to land before the part: containers without an index need a key frame in between
 
 
@@ -107,15 +108,28 @@ def pictures(path, start: float, end: float, looked_at=iter) -> Iterator:
 
 
 def _timed(frames: Iterable, rate: float, origin: float) -> Iterator[tuple[float, object]]:
-    """(seconds from the first picture, frame); a stamp that is missing or goes back is one frame after the last."""
-    last = -1.0 / rate
+    """(seconds from the first picture, frame), ascending; None for a frame whose size is not that of the first.
+
+    A stamp that is missing or not after the last is taken for one frame later; where the clock leaps, it is set right.
+    """
+    last, size = None, None
     for frame in frames:
-        time = last + 1.0 / rate
-        if frame is not None:
-            if frame.time is not None and frame.time - origin > last:
-                time = frame.time - origin
-            last = time
-        yield time, frame
+        due = 0.0 if last is None else last + 1.0 / rate
+        if frame is None:
+            yield due, None
+            continue
+        stamp = due + origin if frame.time is None else frame.time
+        if last is not None and _leaps(stamp - origin - due):
+            origin = stamp - due
+        time = stamp - origin
+        last = due if last is not None and time <= last else time
+        size = size or (frame.width, frame.height)
+        yield last, frame if (frame.width, frame.height) == size else None
+
+
+def _leaps(seconds: float) -> bool:
+    """Whether a clock that is off by so much was set anew, as where recordings were joined or bytes are damaged."""
+    return not -1.0 < seconds < LONGEST_GAP
 
 
 def _held(timed: Iterable[tuple[float, object]], rate: float, first: float, frames: int) -> Iterator:
@@ -144,6 +158,8 @@ def sound_pieces(frames: Iterable, rate: int, origin: float) -> Iterator[tuple[f
         if frame is None:
             continue
         time = due if frame.time is None else frame.time - origin
+        if resampler is not None and _leaps(time - due):
+            origin, time = origin + time - due, due
         if (
             resampler is None
             or abs(time - due) > SOUND_GAP
@@ -176,7 +192,8 @@ def laid_out(pieces: Iterable[tuple[float, np.ndarray]], rate: int, length: int)
         to = slice(max(place, 0), max(0, place + len(samples)))
         fitting = samples[max(0, -place) :][: max(0, len(result) - to.start)]
         result[to.start : to.start + len(fitting)] = fitting
-    return result
+    # Damaged packets of floating-point codecs may decode to anything.
+    return np.nan_to_num(result, copy=False, nan=0.0, posinf=0.0, neginf=0.0)
 
 
 def upright(array: np.ndarray, rotation: float) -> np.ndarray:

@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from tests import synthetic
-from visualspeech import media
+from visualspeech import decoding, media
 from visualspeech.errors import RejectedUtterance
 
 
@@ -177,3 +177,20 @@ def test_written_videos_are_read_back_and_repeat(tmp_path):
         assert container.metadata["comment"] == "synthetic"
     heard = media.read_audio(tmp_path / "1.mp4", 48000)
     assert np.corrcoef(heard[: len(sound)], sound)[0, 1] > 0.95
+
+
+@pytest.mark.parametrize("leap", [3600.0, -3.0])
+def test_clocks_that_leap_are_set_right(leap):
+    """An hour of repeated pictures, or none, would be the answer to damaged time stamps."""
+    frames = [type("Frame", (), {"time": time, "width": 4, "height": 4})() for time in np.arange(200) / 25]
+    for frame in frames[100:]:
+        frame.time += leap
+    timed = list(decoding._timed(frames, 25.0, 0.0))
+    np.testing.assert_allclose([time for time, _ in timed], np.arange(200) / 25, atol=1e-9)
+
+
+def test_pictures_of_another_size_are_left_out():
+    frames = [
+        type("Frame", (), {"time": index / 25, "width": width, "height": 4})() for index, width in enumerate([4, 8, 4])
+    ]
+    assert [frame is None for _, frame in decoding._timed(frames, 25.0, 0.0)] == [False, True, False]
