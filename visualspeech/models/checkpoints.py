@@ -11,7 +11,7 @@ from visualspeech.storage import read_model, write_model
 
 
 def write_checkpoint(path: str | Path, identity: str, state) -> None:
-    """Keep a training's state: weights, best weights, optimiser, random numbers, learning curve.
+    """Keep a training's state: weights, their running mean, best weights, optimiser, random numbers, learning curve.
 
     Parameters
     ----------
@@ -19,6 +19,7 @@ def write_checkpoint(path: str | Path, identity: str, state) -> None:
     state : see :class:`visualspeech.models.training._State`
     """
     tensors = {f"weights.{name}": values.numpy() for name, values in state.module.state_dict().items()}
+    tensors |= {f"average.{name}": values.numpy() for name, values in state.average.state_dict().items()}
     tensors |= {f"best.{name}": values.numpy() for name, values in state.best.items()}
     optimiser = state.optimiser.state_dict()
     for number, moments in optimiser["state"].items():
@@ -34,6 +35,7 @@ def write_checkpoint(path: str | Path, identity: str, state) -> None:
         "best_error": state.best_error,
         "best_epoch": state.best_epoch,
         "since_decay": state.since_decay,
+        "updates": state.updates,
     }
     write_model(path, tensors, settings)
 
@@ -51,6 +53,7 @@ def read_checkpoint(path: str | Path, identity: str, state) -> bool:
         log.info("%s is of other settings, data or code; training starts anew", path)
         return False
     state.module.load_state_dict(_part(tensors, "weights."))
+    state.average.load_state_dict(_part(tensors, "average."))
     state.best = _part(tensors, "best.")
     moments: dict[int, dict[str, torch.Tensor]] = {}
     for name, values in _part(tensors, "optimiser.").items():
@@ -63,6 +66,7 @@ def read_checkpoint(path: str | Path, identity: str, state) -> bool:
     state.best_error = settings["best_error"]
     state.best_epoch = settings["best_epoch"]
     state.since_decay = settings["since_decay"]
+    state.updates = settings["updates"]
     state.curve = [(int(row[0]), *map(float, row[1:])) for row in tensors["curve"]]
     torch.set_rng_state(torch.tensor(tensors["random"]))
     return True

@@ -1,6 +1,6 @@
 """Training of a stack by the sum of squared errors (Fan 2015, Eq. 9-11), with early stopping, checkpoint and resume."""
 
-import hashlib
+import copy
 import math
 import time
 from collections.abc import Sequence
@@ -10,12 +10,15 @@ from pathlib import Path
 import numpy as np
 import torch
 
-from visualspeech.errors import DataError, SettingError
+from visualspeech.errors import SettingError
 from visualspeech.jobs import log
+from visualspeech.models.batches import batch, batches, content
 from visualspeech.models.blstm import Stack, StackSettings
 from visualspeech.models.checkpoints import read_checkpoint, write_checkpoint
-from visualspeech.models.network import Network, check_labels, one_thread
+from visualspeech.models.network import Network, one_thread
 from visualspeech.provenance import code_digest, digest
+
+PROGRESS_SECONDS = 3.0
 
 #: What the optimiser presets change against the defaults of TrainingSettings.
 PRESETS = {
@@ -27,6 +30,7 @@ PRESETS = {
         "initial_std": 0.1,
         "scale_targets": False,
         "dropout": 0.0,
+        "averaging": 0.0,
     },
 }
 
@@ -52,11 +56,13 @@ class TrainingSettings:
     scale_targets : learn (appearance - training mean) / one global standard deviation in place of raw appearance
     dropout : share of hidden values set to zero in training, after each hidden layer
     weight_decay : pull of the weights to zero, apart from the gradient (Loshchilov and Hutter 2019)
+    averaging : the network that is judged and kept has the running mean of the weights over updates, each mean this
+        share of the last (in the first updates, a smaller share); 0: the weights themselves
     seed : of initial weights, order and dropout
     """
 
     optimiser: str = "adam"
-    learning_rate: float = 2e-3
+    learning_rate: float = 1e-3
     momentum: float = 0.9
     batch: int = 8
     max_epochs: int = 200
@@ -69,6 +75,7 @@ class TrainingSettings:
     scale_targets: bool = True
     dropout: float = 0.3
     weight_decay: float = 0.0
+    averaging: float = 0.99
     seed: int = 1
 
     def __post_init__(self) -> None:
@@ -86,6 +93,7 @@ class TrainingSettings:
             "initial_std": (self.initial_std >= 0, "at least 0"),
             "dropout": (0 <= self.dropout < 1, "at least 0 and below 1"),
             "weight_decay": (self.weight_decay >= 0, "at least 0"),
+            "averaging": (0 <= self.averaging < 1, "at least 0 and below 1"),
         }
         for name, (good, rule) in ranges.items():
             if not good:
@@ -135,59 +143,15 @@ class Training:
 def sum_of_squared_errors(predicted: torch.Tensor, truth: torch.Tensor) -> torch.Tensor:
     """E of Eq. 9 and 10: half the squared differences, summed over dimensions, frames and sequences.
 
-    Frames that only fill up a batch must be equal in both (the stack and :func:`_batch` make them zero).
+    Frames that only fill up a batch must be equal in both; the stack and the batches make them zero.
     """
     return 0.5 * torch.sum((predicted - truth) ** 2)
 
 
-@dataclass(frozen=True)
-class _Content:
-    """What one pass over the utterances tells."""
-
-    lengths: np.ndarray
-    mean: np.ndarray
-    deviation: float
-    digest: str
-
-
-def _content(examples: Sequence, phones: int, name: str) -> _Content:
-    if not len(examples):
-        raise DataError(f"there is no {name} utterance to learn from. Add recordings, or change `split`.")
-    lengths, total, squares, sha = [], 0.0, 0.0, hashlib.sha256()
-    for labels, values in (examples[number] for number in range(len(examples))):
-        check_labels(labels, phones)
-        if not np.isfinite(values).all():
-            raise DataError(f"a {name} utterance holds appearance that is no number; delete the features, run again.")
-        lengths.append(len(values))
-        total = total + values.sum(axis=0, dtype=np.float64)
-        squares = squares + np.square(values, dtype=np.float64).sum(axis=0)
-        sha.update(np.ascontiguousarray(labels, "<i2").tobytes())
-        sha.update(np.ascontiguousarray(values, "<f4").tobytes())
-    mean = total / sum(lengths)
-    variance = np.maximum(squares / sum(lengths) - mean**2, 0).mean()
-    return _Content(np.array(lengths), mean, float(np.sqrt(variance)) or 1.0, sha.hexdigest())
-
-
-def _batches(lengths: np.ndarray, size: int, order: np.ndarray) -> list[np.ndarray]:
-    """Utterances of similar length together, to pad little: within runs of 16 batches of the given order."""
-    batches = []
-    for start in range(0, len(order), 16 * size):
-        run = order[start : start + 16 * size]
-        run = run[np.argsort(-lengths[run], kind="stable")]
-        batches += [run[first : first + size] for first in range(0, len(run), size)]
-    return batches
-
-
-def _batch(examples: Sequence, numbers: np.ndarray, mean: np.ndarray, scale: float):
-    """Labels (N, T, 4), lengths (N,) descending, targets (N, T, outputs); zero beyond an utterance's end."""
-    pairs = [examples[int(number)] for number in numbers]
-    lengths = torch.tensor([len(values) for _, values in pairs])
-    labels = torch.zeros(len(pairs), int(lengths[0]), 4, dtype=torch.int64)
-    targets = torch.zeros(len(pairs), int(lengths[0]), len(mean))
-    for row, (indices, values) in enumerate(pairs):
-        labels[row, : len(values)] = torch.tensor(np.asarray(indices, np.int64))
-        targets[row, : len(values)] = torch.tensor(((values - mean) / scale).astype(np.float32))
-    return labels, lengths, targets
+def _row(state: "_State") -> str:
+    _, error, validation, seconds = state.curve[-1]
+    best = f"best so far epoch {state.best_epoch}"
+    return f"error a frame {error:.5g}, validation {validation:.5g} ({best}), {seconds:.1f} s an epoch"
 
 
 @dataclass
@@ -195,11 +159,13 @@ class _State:
     """All that an interrupted training needs to go on as if nothing had happened."""
 
     module: Stack
+    average: Stack
     optimiser: torch.optim.Optimizer
     best: dict[str, torch.Tensor]
     best_error: float = math.inf
     best_epoch: int = 0
     since_decay: int = 0
+    updates: int = 0
     curve: list[tuple[int, float, float, float]] = field(default_factory=list)
 
 
@@ -237,7 +203,7 @@ def train(
         The error is no longer a finite number.
     """
     settings = settings or TrainingSettings()
-    known = [_content(training, len(phones), "training"), _content(validation, len(phones), "validation")]
+    known = [content(training, len(phones), "training"), content(validation, len(phones), "validation")]
     mean = known[0].mean if settings.scale_targets else np.zeros_like(known[0].mean)
     scale = known[0].deviation if settings.scale_targets else 1.0
     identity = digest(
@@ -245,7 +211,7 @@ def train(
             asdict(stack),
             asdict(settings),
             list(phones),
-            [content.digest for content in known],
+            [part.digest for part in known],
             torch.__version__,
             code_digest(__file__),
         ]
@@ -255,9 +221,14 @@ def train(
         state = _start(stack, len(phones), len(mean), settings)
         if checkpoint is not None and read_checkpoint(checkpoint, identity, state):
             log.info("%s: going on after epoch %d", stack.name, len(state.curve))
-        saved = time.monotonic()
+        saved = told = time.monotonic()
         while not _finished(state, settings):
             _epoch(state, settings, (training, validation), known, mean, scale, stack.name)
+            if time.monotonic() - told >= PROGRESS_SECONDS or _finished(state, settings):
+                told = time.monotonic()
+                log.info(
+                    "%s: epoch %d of at most %d, %s", stack.name, len(state.curve), settings.max_epochs, _row(state)
+                )
             if checkpoint is not None and time.monotonic() - saved >= checkpoint_seconds:
                 write_checkpoint(checkpoint, identity, state)
                 saved = time.monotonic()
@@ -295,11 +266,18 @@ def _start(stack: StackSettings, phones: int, outputs: int, settings: TrainingSe
             momentum=settings.momentum,
             weight_decay=settings.weight_decay,
         )
-    return _State(module, optimiser, _copy(module))
+    return _State(module, copy.deepcopy(module).eval(), optimiser, _copy(module))
 
 
 def _copy(module: Stack) -> dict[str, torch.Tensor]:
     return {name: values.detach().clone() for name, values in module.state_dict().items()}
+
+
+def _average(state: _State, share: float) -> None:
+    # The first means would be mostly the random start: let them forget faster.
+    share = min(share, state.updates / (state.updates + 9)) if share else 0.0
+    with torch.no_grad():
+        torch._foreach_lerp_(list(state.average.parameters()), list(state.module.parameters()), 1 - share)
 
 
 def _finished(state: _State, settings: TrainingSettings) -> bool:
@@ -310,11 +288,11 @@ def _finished(state: _State, settings: TrainingSettings) -> bool:
 def _epoch(state: _State, settings: TrainingSettings, data, known, mean, scale, name: str) -> None:
     start = time.monotonic()
     number = len(state.curve) + 1
-    batches = _batches(known[0].lengths, settings.batch, torch.randperm(len(data[0])).numpy())
+    order = batches(known[0].lengths, settings.batch, torch.randperm(len(data[0])).numpy())
     errors = 0.0
     state.module.train()
-    for chosen in torch.randperm(len(batches)).tolist():
-        labels, lengths, targets = _batch(data[0], batches[chosen], mean, scale)
+    for chosen in torch.randperm(len(order)).tolist():
+        labels, lengths, targets = batch(data[0], order[chosen], mean, scale)
         error = sum_of_squared_errors(state.module(labels, lengths), targets)
         # Adam does not see the error's scale; the mean over frames makes `clip` independent of the batch.
         objective = error / lengths.sum() if settings.optimiser == "adam" else error
@@ -323,17 +301,19 @@ def _epoch(state: _State, settings: TrainingSettings, data, known, mean, scale, 
         if settings.clip:
             torch.nn.utils.clip_grad_norm_(state.module.parameters(), settings.clip)
         state.optimiser.step()
+        state.updates += 1
+        _average(state, settings.averaging)
         errors += error.item()
     unit = scale**2
     row_train = errors * unit / known[0].lengths.sum()
-    row_validation = validation_error(state.module, data[1], known[1].lengths, settings.batch, mean, scale) * unit
+    row_validation = validation_error(state.average, data[1], known[1].lengths, settings.batch, mean, scale) * unit
     if not (math.isfinite(row_train) and math.isfinite(row_validation)):
         raise SettingError(
             f"the training of {name} diverged in epoch {number}: its error is no longer a number. "
             f"Lower `training.learning_rate` (now {state.optimiser.param_groups[0]['lr']:g})."
         )
     if row_validation < state.best_error * (1 - settings.min_improvement):
-        state.best, state.best_error, state.best_epoch = _copy(state.module), row_validation, number
+        state.best, state.best_error, state.best_epoch = _copy(state.average), row_validation, number
         state.since_decay = 0
     else:
         state.since_decay += 1
@@ -343,7 +323,6 @@ def _epoch(state: _State, settings: TrainingSettings, data, known, mean, scale, 
                 group["lr"] *= settings.decay
     seconds = time.monotonic() - start
     state.curve.append((number, float(row_train), float(row_validation), seconds))
-    log.info("%s: epoch %d, error a frame %.5g, validation %.5g, %.1f s", name, *state.curve[-1])
 
 
 def validation_error(module: Stack, examples, lengths: np.ndarray, size: int, mean: np.ndarray, scale: float) -> float:
@@ -353,8 +332,8 @@ def validation_error(module: Stack, examples, lengths: np.ndarray, size: int, me
         errors = [
             sum_of_squared_errors(module(labels, counts), targets).item()
             for labels, counts, targets in (
-                _batch(examples, numbers, mean, scale)
-                for numbers in _batches(lengths, max(size, 16), np.arange(len(lengths)))
+                batch(examples, numbers, mean, scale)
+                for numbers in batches(lengths, max(size, 16), np.arange(len(lengths)))
             )
         ]
     return math.fsum(errors) / int(lengths.sum())
