@@ -11,14 +11,16 @@ The move is one constant vector for an utterance: movement in time, which is wha
 
 Methods (``DriftSettings.method``):
 
+``clip_mean`` (the default)
+    the reference is the mean over all frames of the utterance. The steadiest; with the drift goes what the mean owes to
+    the words, which is little in a whole sentence and much in a single word.
 ``silence``
-    the reference is the mean over the utterance's silent frames (pauses of the alignment). Uses nothing of the speech,
-    but rests on few frames, and a mouth at rest is not always the same mouth.
-``clip_mean``
-    the reference is the mean over all frames. Steadier; takes out with the drift what the utterance's mean owes to
-    its words.
+    the reference is the mean over the utterance's silent frames (pauses of the alignment). Takes out nothing of the
+    speech, but needs pauses in every utterance, and a mouth at rest is not always the same mouth.
 ``none``
     nothing is taken out.
+
+What each leaves to be explained on real recordings is in ``docs/aam.md``.
 """
 
 from collections.abc import Iterable
@@ -110,14 +112,17 @@ def corpus_reference(references: Iterable[FaceReference]) -> FaceReference:
     return FaceReference((shape / count).astype(np.float32), (texture / count).astype(np.float32))
 
 
+def remove_shape(shape: np.ndarray, utterance: FaceReference, corpus: FaceReference) -> np.ndarray:
+    """Shapes (T, 102) without the utterance's drift, float32."""
+    return np.asarray(shape, np.float32) + (corpus.shape - utterance.shape)
+
+
 def remove(
     shape: np.ndarray, texture: np.ndarray, utterance: FaceReference, corpus: FaceReference
 ) -> tuple[np.ndarray, np.ndarray]:
     """Shapes (T, 102) and textures (T, 3U) without the utterance's drift, float32."""
-    return (
-        np.asarray(shape, np.float32) + (corpus.shape - utterance.shape),
-        np.asarray(texture, np.float32) + (corpus.texture - utterance.texture),
-    )
+    moved = np.asarray(texture, np.float32) + (corpus.texture - utterance.texture)
+    return remove_shape(shape, utterance, corpus), moved
 
 
 def restore(

@@ -56,7 +56,6 @@ def em_pca(
     rows: Rows,
     components: int | None = None,
     energy: float | None = None,
-    at_most: int | None = None,
     iterations: int = 10,
     seed: int = 0,
     tolerance: float = 1e-4,
@@ -70,10 +69,9 @@ def em_pca(
     Parameters
     ----------
     rows : n rows of d values, read ``iterations`` + 3 times at most for each number of components tried
-    components : how many, or None where ``energy`` is given
+    components : how many; beside ``energy``, how many at most (the log says so when they hold less)
     energy : fraction of the total variance to hold, above 0 and below 1; components grow in blocks until it is reached,
         and the least number that reaches it is kept
-    at_most : with ``energy``, keep no more components than this, and say so in the log when they hold less
     iterations : most passes of both steps; fewer when the variance held grows by less than ``tolerance`` of the total
         from one pass to the next
     seed : of the sample and of random components beyond it
@@ -84,14 +82,15 @@ def em_pca(
     DataError
         Fewer than two rows, all the same, or values that are not finite.
     SettingError
-        More components asked for than the data can have, or the energy is not reached with ``LIMIT`` components.
+        Neither is given; more components are asked for than the data can have; or the energy is not reached with
+        ``LIMIT`` components.
     """
-    if (components is None) == (energy is None):
-        raise SettingError(f"{what}: give either a number of components or an energy fraction, and not both.")
+    if components is None and energy is None:
+        raise SettingError(f"{what}: give a number of components, an energy fraction, or both.")
     count, dimension = rows.shape
     mean, total = moments(rows)
     possible = min(count - 1, dimension)
-    if components is not None and not 0 < components <= possible:
+    if energy is None and not 0 < components <= possible:
         raise SettingError(
             f"{what}: {components} components asked for, but {count} rows of {dimension} values have at most "
             f"{possible}. Ask for fewer, give an energy fraction, or train on more images."
@@ -100,9 +99,9 @@ def em_pca(
         raise DataError(f"{what}: all {count} rows are the same, there is nothing to learn from them")
     generator = np.random.default_rng(seed)
     basis, held = _sample_components(rows, mean, generator)
-    limit = min(possible, at_most or LIMIT)
+    limit = min(possible, components or LIMIT)
     # The sample's own components hold more of the sample than of the data: the guess is low, and grows where needed.
-    wanted = components or min(int(1.2 * (np.searchsorted(held, energy) + 1)), limit)
+    wanted = limit if energy is None else min(int(1.2 * (np.searchsorted(held, energy) + 1)), limit)
     while True:
         width = min(wanted + _SPARE, possible)
         fill = generator.standard_normal((dimension, max(width - basis.shape[1], 0)), dtype=np.float32)
@@ -110,10 +109,10 @@ def em_pca(
         basis = _iterate(rows, mean, start, iterations, tolerance * total)
         basis, eigenvalues = _rotate(rows, mean, basis)
         held = np.cumsum(eigenvalues)[:wanted] / total
-        if components is not None or held[-1] >= energy:
+        if energy is None or held[-1] >= energy:
             break
         if wanted >= limit:
-            if at_most is None or possible < at_most:
+            if components is None:
                 raise SettingError(
                     f"{what}: an energy of {energy:g} is not reached with {wanted} components (they hold "
                     f"{held[-1]:.4f} of the variance). Ask for less energy, or for a number of components."
@@ -124,7 +123,7 @@ def em_pca(
             break
         log.info("%s: %d components hold %.4f of the variance, %g asked", what, wanted, held[-1], energy)
         wanted = min(int(wanted * 1.4) + 1, limit)
-    keep = components or min(int(np.searchsorted(held, energy)) + 1, wanted)
+    keep = wanted if energy is None else min(int(np.searchsorted(held, energy)) + 1, wanted)
     return Components(mean, np.ascontiguousarray(_signed(basis[:, :keep].T)), eigenvalues[:keep], total)
 
 
@@ -209,7 +208,6 @@ def pca(
     rows: np.ndarray,
     components: int | None = None,
     energy: float | None = None,
-    at_most: int | None = None,
     what: str = "rows",
 ) -> Components:
     """Exact principal components of rows (n, d) that fit into memory and are not long; as :func:`em_pca` otherwise.
@@ -221,8 +219,8 @@ def pca(
     SettingError
         More components asked for than the data has directions with variance.
     """
-    if (components is None) == (energy is None):
-        raise SettingError(f"{what}: give either a number of components or an energy fraction, and not both.")
+    if components is None and energy is None:
+        raise SettingError(f"{what}: give a number of components, an energy fraction, or both.")
     if len(rows) < 2:
         raise DataError(f"principal components need two rows or more, got {len(rows)}")
     mean = rows.mean(axis=0, dtype=np.float64)
@@ -233,8 +231,8 @@ def pca(
     if not total > 0:
         raise DataError(f"{what}: all {len(rows)} rows are the same, there is nothing to learn from them")
     rank = int(np.count_nonzero(values > 1e-10 * values[0]))
-    if components is None:
-        components = min(int(np.searchsorted(np.cumsum(values) / total, energy) + 1), rank, at_most or rank)
+    if energy is not None:
+        components = min(int(np.searchsorted(np.cumsum(values) / total, energy) + 1), rank, components or rank)
     if not 0 < components <= rank:
         raise SettingError(
             f"{what}: {components} components asked for, but the training data varies in {rank} directions only. "
