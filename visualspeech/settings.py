@@ -34,9 +34,16 @@ def read_yaml(path: Path) -> dict:
     return data
 
 
+#: Two ways to say one thing: whoever says it one way does not mean the other below it any more.
+ALTERNATIVES = ({"energy", "at_most"}, {"components"})
+
+
 def merged(base: Mapping, over: Mapping) -> dict:
     """``over`` laid over ``base``: mappings merge key by key, anything else is replaced. Neither is changed."""
     result = deepcopy(dict(base))
+    for one, other in (ALTERNATIVES, ALTERNATIVES[::-1]):
+        if one & set(over):
+            result = {key: value for key, value in result.items() if key not in other}
     for key, value in over.items():
         below = result.get(key)
         result[key] = merged(below, value) if isinstance(below, dict) and isinstance(value, Mapping) else deepcopy(value)

@@ -1,0 +1,127 @@
+"""Settings: layers, and sentences instead of tracebacks for what is mistyped."""
+
+import dataclasses
+
+import pytest
+import yaml
+
+from tests.paths import REPOSITORY
+from visualspeech.corpora.check import CheckSettings
+from visualspeech.errors import SettingError
+from visualspeech.evaluation.metrics import METRICS
+from visualspeech.face.aam.model import AamSettings
+from visualspeech.face.aam.reference import ReferenceSettings
+from visualspeech.face.drift import DriftSettings
+from visualspeech.face.head import PoseSettings
+from visualspeech.face.landmarks import LandmarkSettings
+from visualspeech.face.screening import ScreeningSettings
+from visualspeech.features.streams import FeatureSettings
+from visualspeech.models.baselines import BaselineSettings
+from visualspeech.models.training import TrainingSettings
+from visualspeech.settings import merged, model_names, resolve
+from visualspeech.speech.alignment import AlignmentSettings
+
+CONFIG = REPOSITORY / "config"
+SECTIONS = {
+    "check": CheckSettings,
+    "alignment": AlignmentSettings,
+    "landmarks": LandmarkSettings,
+    "screening": ScreeningSettings,
+    "pose": PoseSettings,
+    "texture": ReferenceSettings,
+    "drift": DriftSettings,
+    "aam": AamSettings,
+    "features": FeatureSettings,
+    "baselines": BaselineSettings,
+    "training": TrainingSettings,
+}
+
+
+def default():
+    return yaml.safe_load((CONFIG / "config.yaml").read_text())
+
+
+@pytest.fixture(scope="module")
+def schema():
+    return yaml.safe_load((REPOSITORY / "workflow" / "schemas" / "config.schema.yaml").read_text())
+
+
+@pytest.mark.parametrize("section", SECTIONS)
+def test_schema_and_library_know_the_same_keys(section, schema):
+    described = schema["properties"][section]
+    described = schema["$defs"][described["$ref"].split("/")[-1]] if "$ref" in described else described
+    # The seed is one setting for the whole run.
+    fields = {field.name for field in dataclasses.fields(SECTIONS[section])} - {"seed"}
+    assert set(described["properties"]) == fields
+
+
+def test_schema_knows_every_metric(schema):
+    assert schema["properties"]["tables"]["properties"]["metrics"]["items"]["enum"] == list(METRICS)
+
+
+def test_every_key_is_described(schema):
+    def undescribed(node, path):
+        for key, value in node.get("properties", {}).items():
+            inner = schema["$defs"][value["$ref"].split("/")[-1]] if "$ref" in value else value
+            if "description" not in inner:
+                yield f"{path}{key}"
+            yield from undescribed(inner, f"{path}{key}.")
+
+    assert list(undescribed(schema, "")) == []
+
+
+@pytest.mark.parametrize("overlay", sorted(CONFIG.glob("*.yaml")), ids=lambda path: path.name)
+def test_every_shipped_config_builds_its_settings(overlay):
+    settings = resolve(merged(default(), yaml.safe_load(overlay.read_text())), CONFIG)
+    for section, cls in SECTIONS.items():
+        cls(**settings[section])
+    assert model_names(settings)
+
+
+@pytest.mark.parametrize(
+    ("change", "said"),
+    [
+        ({"aam": {"shap": {"energy": 0.9}}}, r"unknown setting `aam\.shap`\. Did you mean `shape`\?"),
+        ({"sed": 3}, r"unknown setting `sed`\. Did you mean `seed`\?"),
+        ({"shards": "four"}, r"`shards: four`"),
+        ({"networks": {"stacks": ["FXB"]}}, r"`networks\.stacks\.0: FXB`"),
+        ({"networks": {"nodes": [0]}}, r"`networks\.nodes\.0: 0`"),
+        ({"tables": {"metrics": ["rmse"]}}, r"rmse.* must be one of rmse_shape"),
+        ({"corpus": "demmo"}, r"`corpus: demmo` is not known.*Did you mean `demo`"),
+        ({"experiment": "fan2016"}, r"`experiment: fan2016` is not known.*Did you mean `fan2015`"),
+        ({"split": {"train": 0.9}}, r"must sum to 1"),
+        ({"videos": {"model": "BBB-512"}}, r"`videos\.model: BBB-512` is not trained\. Trained here: FBB-128"),
+        ({"corpus": {"name": "mine"}}, r"`corpus` lacks `adapter`"),
+        ({"aam": {"shape": {"energy": 0.9, "components": 3}}}, r"aam\.shape"),
+        ({"aam": {"shape": {"energy": 1.5}}}, r"aam\.shape\.energy: 1\.5"),
+    ],
+)
+def test_mistakes_are_named(change, said):
+    with pytest.raises(SettingError, match=said):
+        resolve(merged(default(), change), CONFIG)
+
+
+def test_merging_leaves_its_inputs_alone():
+    base, over = {"a": {"b": 1, "c": [1]}, "d": 2}, {"a": {"c": [2]}, "d": {"e": 3}}
+    result = merged(base, over)
+    assert result == {"a": {"b": 1, "c": [2]}, "d": {"e": 3}}
+    result["a"]["c"].append(9)
+    assert (base, over) == ({"a": {"b": 1, "c": [1]}, "d": 2}, {"a": {"c": [2]}, "d": {"e": 3}})
+
+
+def test_components_take_the_place_of_an_energy():
+    base = {"shape": {"energy": 0.9, "at_most": 5}}
+    assert merged(base, {"shape": {"components": 3}}) == {"shape": {"components": 3}}
+    assert merged({"shape": {"components": 3}}, base) == base
+    assert merged(base, {"shape": {"energy": 0.8}}) == {"shape": {"energy": 0.8, "at_most": 5}}
+
+
+def test_a_corpus_file_anywhere_names_its_root_from_its_own_folder(tmp_path):
+    (tmp_path / "mine.yaml").write_text("name: mine\nadapter: folder\nroot: clips\n")
+    settings = resolve(merged(default(), {"corpus": str(tmp_path / "mine.yaml")}), CONFIG)
+    assert settings["corpus"]["root"] == str(tmp_path / "clips")
+
+
+def test_a_corpus_may_be_given_in_place():
+    corpus = {"name": "mine", "adapter": "folder", "root": "/somewhere"}
+    assert resolve(merged(default(), {"corpus": corpus}), CONFIG)["corpus"] == corpus
