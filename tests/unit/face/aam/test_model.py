@@ -1,0 +1,195 @@
+import numpy as np
+import pytest
+
+from tests.unit.face.aam.faces import moving_faces, smooth_picture
+from visualspeech.errors import DataError, SettingError
+from visualspeech.face.aam.model import Aam, AamSettings, fit, fit_utterances
+from visualspeech.face.aam.modes import mode_pictures
+from visualspeech.face.aam.points import lower_face, to_vector
+from visualspeech.face.aam.reference import ReferenceSettings, fit_reference
+from visualspeech.face.aam.rows import ArrayRows
+from visualspeech.face.drift import FaceReference, reference_of, remove
+from visualspeech.storage import ArrayReader, ArrayWriter
+
+SETTINGS = AamSettings(
+    shape={"components": 8}, texture={"components": 12}, appearance={"energy": 0.98}, iterations=20, seed=1
+)
+
+
+@pytest.fixture(scope="module")
+def faces():
+    return lower_face(moving_faces(300))
+
+
+@pytest.fixture(scope="module")
+def reference(faces):
+    return fit_reference([faces], ReferenceSettings(texture_pixels=400))
+
+
+@pytest.fixture(scope="module")
+def data(faces, reference):
+    """Shapes, and textures that follow the shapes: colour with the jaw, and light of their own."""
+    generator = np.random.default_rng(5)
+    shapes = to_vector(faces)
+    patterns = [smooth_picture(120, 120, seed)[reference.pixels[:, 0], reference.pixels[:, 1]].T for seed in range(6)]
+    patterns = np.stack([p.reshape(-1) - p.mean() for p in patterns])
+    jaw = (shapes[:, 59] - shapes[:, 59].mean()) / shapes[:, 59].std()
+    weights = np.column_stack([jaw, 0.5 * jaw**2, generator.standard_normal((len(jaw), 4)) * 0.4])
+    textures = 120 + 0.3 * weights @ patterns + generator.normal(0, 1, (len(jaw), patterns.shape[1]))
+    return shapes, textures.astype(np.float32)
+
+
+@pytest.fixture(scope="module")
+def aam(data):
+    return fit(data[0], ArrayRows(data[1]), SETTINGS)
+
+
+def test_equations_3_5_6_7_8_written_out(data, aam):
+    shapes, textures = data
+    parameters = aam.encode(shapes[:9], textures[:9])
+    ns, nt, n = aam.sizes
+    assert [x.shape for x in parameters] == [(9, ns), (9, nt), (9, n), (9,)]
+    for j in range(9):
+        a = np.array([np.dot(shapes[j] - aam.shape_mean, row) for row in aam.shape_components])
+        b = np.array([np.dot(textures[j] - aam.texture_mean, row) for row in aam.texture_components])
+        joint = np.concatenate([aam.shape_weight * a, b])
+        v = np.array([np.dot(joint, row) for row in aam.appearance_components])
+        np.testing.assert_allclose(parameters.shape[j], a, atol=1e-3)
+        np.testing.assert_allclose(parameters.texture[j], b, atol=1e-2)
+        np.testing.assert_allclose(parameters.appearance[j], v, atol=1e-2)
+        left = textures[j] - aam.texture_mean - b @ aam.texture_components
+        assert parameters.residual[j] == pytest.approx(np.sqrt(np.mean(left**2)), rel=1e-3)
+        s = aam.shape_mean + sum(v[i] * aam.shape_basis[i] for i in range(n))
+        t = aam.texture_mean + sum(v[i] * aam.texture_basis[i] for i in range(n))
+        decoded = aam.decode(v[None])
+        np.testing.assert_allclose(decoded[0][0], s, atol=1e-3)
+        np.testing.assert_allclose(decoded[1][0], t, atol=1e-2)
+
+
+def test_shape_and_texture_parameters_of_v_decode_to_the_same_face(data, aam):
+    v = aam.encode(*data).appearance
+    shape, texture = aam.decode(v)
+    np.testing.assert_allclose(aam.shape_mean + aam.shape_parameters(v) @ aam.shape_components, shape, atol=1e-3)
+    np.testing.assert_allclose(
+        aam.texture_mean + aam.texture_parameters(v) @ aam.texture_components, texture, atol=1e-2
+    )
+
+
+def test_bases_are_orthonormal_and_parameters_uncorrelated_with_the_stated_variances(data, aam):
+    parameters = aam.encode(*data)
+    for basis, values, variances in (
+        (aam.shape_components, parameters.shape, aam.shape_variances),
+        (aam.texture_components, parameters.texture, aam.texture_variances),
+        (aam.appearance_components, parameters.appearance, aam.appearance_variances),
+    ):
+        np.testing.assert_allclose(basis @ basis.T, np.eye(len(basis)), atol=1e-4)
+        np.testing.assert_allclose(values.mean(axis=0), 0, atol=1e-3 * np.sqrt(variances[0]))
+        spread = np.cov(values.T.astype(np.float64), bias=True)
+        np.testing.assert_allclose(spread, np.diag(variances), atol=1e-3 * variances[0])
+    assert aam.energies[2] >= 0.98
+
+
+def test_with_all_joint_components_nothing_is_lost(data):
+    shapes, textures = data
+    whole = fit(
+        shapes,
+        ArrayRows(textures),
+        AamSettings(shape={"components": 8}, texture={"components": 12}, appearance={"components": 20}),
+    )
+    parameters = whole.encode(shapes, textures)
+    np.testing.assert_allclose(whole.shape_parameters(parameters.appearance), parameters.shape, atol=1e-3)
+    np.testing.assert_allclose(whole.texture_parameters(parameters.appearance), parameters.texture, atol=2e-2)
+
+
+def test_weighting_balances_shape_and_texture_or_leaves_them(data, aam):
+    shapes, textures = data
+    weighted = aam.shape_weight**2 * aam.shape_variances.sum()
+    assert weighted == pytest.approx(aam.texture_variances.sum(), rel=1e-6)
+    plain = fit(shapes, ArrayRows(textures), AamSettings(shape={"energy": 0.99}, weighting="none"))
+    assert plain.shape_weight == 1
+
+
+def test_saved_model_reads_back_the_same(tmp_path, data, aam):
+    aam.save(tmp_path / "aam.safetensors")
+    again = Aam.load(tmp_path / "aam.safetensors")
+    for one, two in zip(aam.encode(*data), again.encode(*data), strict=True):
+        np.testing.assert_array_equal(one, two)
+    assert again.settings == aam.settings
+    again.save(tmp_path / "again.safetensors")
+    assert (tmp_path / "again.safetensors").read_bytes() == (tmp_path / "aam.safetensors").read_bytes()
+
+
+def test_training_from_files_draws_frames_and_takes_the_drift_out(tmp_path, data):
+    shapes, textures = data
+    generator = np.random.default_rng(3)
+    with ArrayWriter(tmp_path / "textures.h5") as out:
+        for number in range(6):
+            rows = slice(50 * number, 50 * number + 50)
+            light, seat = 20 * generator.standard_normal(), 5 * generator.standard_normal()
+            shape, texture = (shapes[rows] + seat).astype(np.float32), textures[rows] + light
+            own = reference_of(shape, texture)
+            arrays = {"shape": shape, "texture": texture}
+            arrays |= {"reference_shape": own.shape, "reference_texture": own.texture}
+            out.add(f"u{number}", arrays, 25.0)
+    ids = [f"u{number}" for number in range(5)]
+    with ArrayReader(tmp_path / "textures.h5") as arrays:
+        one = fit_utterances(arrays, ids, SETTINGS, folder=str(tmp_path))
+        two = fit_utterances(arrays, ids[::-1], SETTINGS, folder=str(tmp_path))
+        few = fit_utterances(arrays, ids, AamSettings(images=40, texture={"components": 5}), folder=str(tmp_path))
+        u5 = arrays["u5"]
+    np.testing.assert_array_equal(one.texture_components, two.texture_components)
+    assert len(few.texture_components) == 5
+    assert list(tmp_path.iterdir()) == [tmp_path / "textures.h5"]
+    own = FaceReference(u5["reference_shape"], u5["reference_texture"])
+    coded = one.encode_utterance(u5["shape"], u5["texture"], own)
+    plain = one.encode(*remove(u5["shape"], u5["texture"], own, one.drift))
+    np.testing.assert_allclose(coded.appearance, plain.appearance, atol=1e-3)
+    assert coded.residual.mean() < 2
+    assert (
+        one.totals[1]
+        < 0.9 * fit(shapes, ArrayRows(textures + np.repeat(u5["texture"][:6, :1], 50, 0)), SETTINGS).totals[1]
+    )
+    with pytest.raises(DataError, match="no training frames"):
+        fit_utterances(arrays, [], SETTINGS)
+
+
+@pytest.mark.parametrize(
+    "wrong",
+    [
+        {"shape": {"energy": 1.5}},
+        {"shape": {}},
+        {"texture": {"modes": 3}},
+        {"texture": {"components": 0}},
+        {"appearance": {"components": 2.5}},
+        {"weighting": "equal"},
+        {"images": 1},
+        {"iterations": 0},
+    ],
+)
+def test_wrong_settings_are_refused_by_name(wrong):
+    with pytest.raises(SettingError, match=next(iter(wrong))):
+        AamSettings(**wrong)
+
+
+def test_more_modes_than_the_data_has_and_data_that_does_not_fit_are_refused(data, aam):
+    shapes, textures = data
+    with pytest.raises(SettingError, match="92 directions only"):  # the five derived points add none
+        fit(shapes, ArrayRows(textures), AamSettings(shape={"components": 93}))
+    with pytest.raises(SettingError, match="at most 29"):
+        fit(shapes[:30], ArrayRows(textures[:30]), AamSettings(texture={"components": 30}))
+    with pytest.raises(DataError, match="300 training shapes but 299"):
+        fit(shapes, ArrayRows(textures[:-1]))
+    with pytest.raises(DataError, match="do not fit this AAM"):
+        aam.encode(shapes[:, 1:], textures)
+
+
+@pytest.mark.parametrize("kind", ["shape", "texture", "appearance"])
+def test_pictures_of_modes_differ_on_both_sides_of_the_mean(aam, reference, kind):
+    low, mean, high = mode_pictures(aam, reference, kind, 0, width=90)
+    assert low.shape == mean.shape == high.shape and mean.shape[1] == 90
+    assert not np.array_equal(low, mean) and not np.array_equal(high, mean)
+    assert (mean == 255).all(axis=2).mean() < 0.7
+    with pytest.raises(SettingError, match="no shape mode 99"):
+        mode_pictures(aam, reference, "shape", 99)
+    with pytest.raises(SettingError, match="no kind"):
+        mode_pictures(aam, reference, "colour", 0)
