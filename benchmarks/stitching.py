@@ -1,0 +1,107 @@
+"""How well synthetic mouths sit in the recording, on the test utterances of a finished run.
+
+``python -m benchmarks.stitching results/grid fan2015 [utterances]`` prints, for the reconstruction of an utterance's
+own mouth and for another utterance's mouth put onto it (so that it differs from the recorded one in every frame):
+
+seam, surroundings : second difference in time (flicker) and standard deviation of the rendered pixels, as ratios to
+    those of the recording; along the seam in coordinates of the face, around the jaw in those of the picture
+opening : the height of the inner mouth as the tracker sees it in the rendered video against that of the target
+drift : how far the mouth's centre moves against its target between the first and the last third
+"""
+
+import sys
+from itertools import islice
+from pathlib import Path
+
+import cv2
+import numpy as np
+
+from visualspeech.animation.rendering import place, prepare
+from visualspeech.animation.video import Recording, Speaker, synthetic_frames
+from visualspeech.corpora.table import of_split, read_utterances
+from visualspeech.face.aam.model import reference_face
+from visualspeech.face.aam.points import INNER_LIPS, LIPS, OUTLINE, TRACKED, to_points
+from visualspeech.face.aam.reference import sample_texture
+from visualspeech.face.landmarks import track
+from visualspeech.face.pose import Pose, to_frontal
+from visualspeech.media import read_frames
+from visualspeech.storage import ArrayCollection
+
+UPPER, LOWER = INNER_LIPS.start + 2, INNER_LIPS.start + 6
+
+
+def flicker(values: np.ndarray) -> float:
+    return float(np.sqrt((np.diff(values.astype(np.float32), 2, axis=0) ** 2).mean()))
+
+
+def around_jaw(placement, shape) -> np.ndarray:
+    """Mask of the pixels near the face but never on it, below the eyes."""
+    face = np.zeros(shape, np.uint8)
+    for points in placement.recorded:
+        cv2.fillPoly(face, [np.rint(points[OUTLINE]).astype(np.int32)], 1)
+    wide = int(np.ptp(placement.recorded[:, :17, 0].mean(0)))
+    ring = cv2.dilate(face, np.ones((wide // 2, wide // 2))) - cv2.dilate(face, np.ones((7, 7)))
+    ring[: int(placement.recorded[:, 0, 1].min())] = 0
+    return ring > 0
+
+
+def measure(utterance, recording, appearance, speaker) -> list[float]:
+    recorded = list(read_frames(utterance.media, utterance.start, utterance.end))
+    rendered = list(synthetic_frames(recorded, appearance, recording, speaker))
+    shape = speaker.aam.decode(appearance)[0] + (recording.drift.shape - speaker.aam.drift.shape)
+    placement = place(recording.landmarks, shape, recording.pose, speaker.head)
+    opacity = prepare(speaker.reference).opacity[tuple(speaker.reference.pixels.T)]
+    seam = np.tile((opacity > 0.02) & (opacity < 0.98), 3)
+    ring = around_jaw(placement, recorded[0].shape[:2])
+    before, after = (
+        np.stack([sample_texture(frame, points, speaker.reference)[seam] for frame, points in zip(*pair, strict=True)])
+        for pair in ((recorded, placement.recorded), (rendered, placement.target))
+    )
+    outside, moved = (np.stack([frame[ring] for frame in frames]) for frames in (recorded, rendered))
+    seen = to_frontal(track(iter(rendered)).points.astype(float), recording.pose, speaker.head)[:, TRACKED]
+    target = to_points(shape)
+    opening, wanted = (points[:, LOWER, 1] - points[:, UPPER, 1] for points in (seen, target))
+    away = seen[:, LIPS].mean(1) - target[:, LIPS].mean(1)
+    third = max(1, len(away) // 3)
+    return [
+        flicker(after) / flicker(before),
+        after.std(0).mean() / before.std(0).mean(),
+        flicker(moved) / flicker(outside),
+        moved.std(0).mean() / outside.std(0).mean(),
+        np.corrcoef(opening, wanted)[0, 1],
+        (opening - wanted).mean(),
+        float(np.linalg.norm(away[-third:].mean(0) - away[:third].mean(0))),
+    ]
+
+
+def main() -> None:
+    if len(sys.argv) < 3:
+        sys.exit("usage: python -m benchmarks.stitching results/<corpus> <experiment> [utterances]")
+    corpus, run = Path(sys.argv[1]), Path(sys.argv[1], sys.argv[2])
+    count = int(sys.argv[3]) if len(sys.argv) > 3 else 8
+    speaker = Speaker.load(
+        run / "pose" / "head.safetensors", run / "aam" / "model.safetensors", run / "aam" / "reference.safetensors"
+    )
+    folders = [corpus / "landmarks", run / "pose", run / "aam" / "textures", run / "aam" / "parameters"]
+    landmarks, poses, textures, parameters = (ArrayCollection(sorted(folder.glob("*.h5"))) for folder in folders)
+    utterances = list(islice(of_split(read_utterances(run / "utterances.tsv"), "test"), count))
+    results = {"own mouth": [], "other mouth": []}
+    for one, other in zip(utterances, utterances[1:] + utterances[:1], strict=True):
+        pose = Pose(*(poses.array(one.id, name).astype(float) for name in ("rotation", "translation")))
+        recording = Recording(landmarks.array(one.id, "points"), pose, reference_face(textures, one.id))
+        for name, source in (("own mouth", one.id), ("other mouth", other.id)):
+            appearance = parameters.array(source, "appearance")
+            if name == "other mouth":
+                appearance = appearance[np.minimum(np.arange(len(pose)), len(appearance) - 1)]
+            results[name].append(measure(one, recording, appearance, speaker))
+    for name, rows in results.items():
+        values = np.mean(rows, axis=0)
+        print(
+            f"{name}: seam flicker {values[0]:.2f}, deviation {values[1]:.2f}; surroundings flicker {values[2]:.2f}, "
+            f"deviation {values[3]:.2f} of the recording's; opening correlation {values[4]:.3f}, "
+            f"bias {values[5]:+.2f} px; drift {values[6]:.2f} px ({len(rows)} utterances)"
+        )
+
+
+if __name__ == "__main__":
+    main()
