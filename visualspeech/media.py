@@ -223,13 +223,13 @@ def write_video(
         sound = out.add_stream("aac", rate=audio_rate, layout="mono") if audio is not None else None
         for picture in frames:
             if video is None:
-                video = out.add_stream("libx264", rate=rate, options={"crf": "18", "preset": "medium"})
+                # With its macroblock tree x264 reads memory it did not write at some widths: bytes do not repeat.
+                options = {"crf": "18", "preset": "medium", "x264-params": "no-mbtree=1"}
+                video = out.add_stream("libx264", rate=rate, options=options)
                 video.thread_count = 1
                 video.height, video.width = picture.shape[:2]
                 video.pix_fmt = "yuv420p"
-            frame = av.VideoFrame.from_ndarray(np.ascontiguousarray(picture), format="rgb24")
-            # Left to encode(), the conversion gives bytes that differ from run to run (PyAV 18.1).
-            out.mux(video.encode(frame.reformat(format="yuv420p")))
+            out.mux(video.encode(av.VideoFrame.from_ndarray(np.ascontiguousarray(picture), format="rgb24")))
         if video is not None:
             out.mux(video.encode(None))
         if sound is not None:
