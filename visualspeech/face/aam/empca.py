@@ -56,6 +56,7 @@ def em_pca(
     rows: Rows,
     components: int | None = None,
     energy: float | None = None,
+    at_most: int | None = None,
     iterations: int = 10,
     seed: int = 0,
     tolerance: float = 1e-4,
@@ -69,9 +70,10 @@ def em_pca(
     Parameters
     ----------
     rows : n rows of d values, read ``iterations`` + 3 times at most for each number of components tried
-    components : how many; beside ``energy``, how many at most (the log says so when they hold less)
+    components : how many, or None where ``energy`` is given
     energy : fraction of the total variance to hold, above 0 and below 1; components grow in blocks until it is reached,
         and the least number that reaches it is kept
+    at_most : with ``energy``, keep no more components than this; the log says so when they hold less
     iterations : most passes of both steps; fewer when the variance held grows by less than ``tolerance`` of the total
         from one pass to the next
     seed : of the sample and of random components beyond it
@@ -82,11 +84,10 @@ def em_pca(
     DataError
         Fewer than two rows, all the same, or values that are not finite.
     SettingError
-        Neither is given; more components are asked for than the data can have; or the energy is not reached with
-        ``LIMIT`` components.
+        More components are asked for than the data can have, or the energy is not reached with ``LIMIT`` components.
     """
-    if components is None and energy is None:
-        raise SettingError(f"{what}: give a number of components, an energy fraction, or both.")
+    if (components is None) == (energy is None):
+        raise SettingError(f"{what}: give either a number of components or an energy fraction.")
     count, dimension = rows.shape
     mean, total = moments(rows)
     possible = min(count - 1, dimension)
@@ -99,7 +100,7 @@ def em_pca(
         raise DataError(f"{what}: all {count} rows are the same, there is nothing to learn from them")
     generator = np.random.default_rng(seed)
     basis, held = _sample_components(rows, mean, generator)
-    limit = min(possible, components or LIMIT)
+    limit = min(possible, components or at_most or LIMIT)
     # The sample's own components hold more of the sample than of the data: the guess is low, and grows where needed.
     wanted = limit if energy is None else min(int(1.2 * (np.searchsorted(held, energy) + 1)), limit)
     while True:
@@ -112,7 +113,7 @@ def em_pca(
         if energy is None or held[-1] >= energy:
             break
         if wanted >= limit:
-            if components is None:
+            if at_most is None:
                 raise SettingError(
                     f"{what}: an energy of {energy:g} is not reached with {wanted} components (they hold "
                     f"{held[-1]:.4f} of the variance). Ask for less energy, or for a number of components."
@@ -208,6 +209,7 @@ def pca(
     rows: np.ndarray,
     components: int | None = None,
     energy: float | None = None,
+    at_most: int | None = None,
     what: str = "rows",
 ) -> Components:
     """Exact principal components of rows (n, d) that fit into memory and are not long; as :func:`em_pca` otherwise.
@@ -219,8 +221,8 @@ def pca(
     SettingError
         More components asked for than the data has directions with variance.
     """
-    if components is None and energy is None:
-        raise SettingError(f"{what}: give a number of components, an energy fraction, or both.")
+    if (components is None) == (energy is None):
+        raise SettingError(f"{what}: give either a number of components or an energy fraction.")
     if len(rows) < 2:
         raise DataError(f"principal components need two rows or more, got {len(rows)}")
     mean = rows.mean(axis=0, dtype=np.float64)
@@ -232,7 +234,7 @@ def pca(
         raise DataError(f"{what}: all {len(rows)} rows are the same, there is nothing to learn from them")
     rank = int(np.count_nonzero(values > 1e-10 * values[0]))
     if energy is not None:
-        components = min(int(np.searchsorted(np.cumsum(values) / total, energy) + 1), rank, components or rank)
+        components = min(int(np.searchsorted(np.cumsum(values) / total, energy) + 1), rank, at_most or rank)
     if not 0 < components <= rank:
         raise SettingError(
             f"{what}: {components} components asked for, but the training data varies in {rank} directions only. "

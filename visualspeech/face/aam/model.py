@@ -40,10 +40,10 @@ class AamSettings:
     Parameters
     ----------
     images : most training frames, drawn at random from all training utterances (the paper: 20,000)
-    shape, texture, appearance : for each of the three analyses ``{"components": number}``, ``{"energy": fraction}``, or
-        both: as many as the energy takes but no more than the number. (The paper: 66 shape components with about 99 %,
-        100 texture components with about 87 %, 87 joint ones. Noise of the camera and of video compression may spread
-        the last tenth of the texture's variance over more directions than a model has use for; hence the cap.)
+    shape, texture, appearance : for each of the three analyses ``{"components": number}`` or ``{"energy": fraction}``,
+        beside the latter ``"at_most": number``, a cap. (The paper: 66 shape components with about 99 %, 100 texture
+        components with about 87 %, 87 joint ones. Noise of the camera and of video compression may spread the last
+        tenth of the texture's variance over more directions than a model has use for; hence the cap.)
     weighting : ``variance`` or ``none``, see the module
     iterations : most passes of EM-PCA
     seed : of the draw of frames and of EM-PCA's start
@@ -51,7 +51,7 @@ class AamSettings:
 
     images: int = 20000
     shape: Mapping = field(default_factory=lambda: {"energy": 0.99})
-    texture: Mapping = field(default_factory=lambda: {"energy": 0.87, "components": 100})
+    texture: Mapping = field(default_factory=lambda: {"energy": 0.87, "at_most": 100})
     appearance: Mapping = field(default_factory=lambda: {"energy": 0.99})
     weighting: str = "variance"
     iterations: int = 10
@@ -69,16 +69,16 @@ class AamSettings:
 
 
 def _check_target(name: str, target: Mapping) -> None:
-    if not isinstance(target, Mapping) or not target or not set(target) <= {"energy", "components"}:
+    if not isinstance(target, Mapping) or set(target) not in ({"energy"}, {"energy", "at_most"}, {"components"}):
         raise SettingError(
-            f"AAM {name} is {target!r}; give energy (a fraction such as 0.99), components (a number), or both: as many "
-            "as the energy takes but no more than the number."
+            f"AAM {name} is {target!r}; give energy (a fraction such as 0.99, with at_most beside it where the number "
+            "of components is to be capped) or components (a number)."
         )
-    energy, components = target.get("energy", 0.5), target.get("components", 1)
-    if not (isinstance(energy, int | float) and 0 < energy < 1):
-        raise SettingError(f"AAM {name} energy is {energy!r}; give a fraction above 0 and below 1.")
-    if not (isinstance(components, int) and components >= 1):
-        raise SettingError(f"AAM {name} components is {components!r}; give a whole number, 1 or more.")
+    for key, value in target.items():
+        if key == "energy" and not (isinstance(value, int | float) and 0 < value < 1):
+            raise SettingError(f"AAM {name} energy is {value!r}; give a fraction above 0 and below 1.")
+        if key != "energy" and not (isinstance(value, int) and value >= 1):
+            raise SettingError(f"AAM {name} {key} is {value!r}; give a whole number, 1 or more.")
 
 
 class Parameters(NamedTuple):

@@ -60,13 +60,13 @@ def test_energy_is_reached_with_the_least_number(energy):
     assert len(pca(rows.astype(np.float64), energy=energy).components) == least
 
 
-def test_number_beside_energy_caps_it_and_the_log_says_so(caplog):
+def test_a_cap_beside_energy_holds_and_the_log_says_so(caplog):
     rows = ArrayRows(_rows())
     with caplog.at_level("WARNING", logger="visualspeech"):
-        assert len(em_pca(rows, energy=0.99, components=5).components) == 5
+        assert len(em_pca(rows, energy=0.99, at_most=5).components) == 5
     assert "the 5 components allowed hold" in caplog.text
-    assert len(em_pca(rows, energy=0.5, components=50).components) < 10
-    assert len(pca(_rows(), energy=0.99, components=5).components) == 5
+    assert len(em_pca(rows, energy=0.5, at_most=50).components) < 10
+    assert len(pca(_rows(), energy=0.99, at_most=5).components) == 5
 
 
 def test_more_than_the_data_has_is_refused_with_the_number_it_has(monkeypatch):
@@ -80,7 +80,7 @@ def test_more_than_the_data_has_is_refused_with_the_number_it_has(monkeypatch):
     monkeypatch.setattr("visualspeech.face.aam.empca.LIMIT", 3)
     with pytest.raises(SettingError, match="not reached with 3 components"):
         em_pca(ArrayRows(_rows()), energy=0.99)
-    with pytest.raises(SettingError, match="give a number"):
+    with pytest.raises(SettingError, match="give either"):
         em_pca(ArrayRows(rows))
 
 
