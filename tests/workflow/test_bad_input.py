@@ -1,0 +1,253 @@
+"""Bad recordings and bad settings, through the command line: a sentence each, the corpus goes on, no traceback."""
+
+import os
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+import yaml
+
+from tests import synthetic
+from tests.paths import REPOSITORY
+from tests.workflow.running import command, snakemake
+from visualspeech.media import read_audio, read_frames
+from visualspeech.storage import read_table
+
+GOOD = 9
+
+
+def frames_of(path, count=None):
+    return list(read_frames(path))[:count]
+
+
+def remake(source, target, frames=None, audio=None, **options):
+    """A recording like ``source`` with other pictures or sound."""
+    frames = frames_of(source) if frames is None else frames
+    audio = read_audio(source, 16_000) if audio is None else audio
+    synthetic.record(target, frames=frames, audio=audio, **options)
+
+
+def two_faces(frame):
+    """The same speaker a second time, smaller, in front of a wider background."""
+    import cv2
+
+    height, width = frame.shape[:2]
+    small = cv2.resize(frame, (width * 3 // 4, height * 3 // 4))
+    wide = np.full((height, width + small.shape[1], 3), 90, np.uint8)
+    wide[:, :width] = frame
+    wide[-small.shape[0] :, width:] = small
+    return wide[:, : wide.shape[1] // 2 * 2]
+
+
+def covered(frames, first, last):
+    """Frames in which the face is hidden behind grey paper."""
+    return [np.full_like(frame, 128) if first <= i < last else frame for i, frame in enumerate(frames)]
+
+
+@pytest.fixture(scope="module")
+def recordings(tiny_run):
+    """The good recordings of the tiny corpus: (path, transcript), sorted."""
+    found = sorted((tiny_run / "results" / "tiny" / "recordings").rglob("*.mp4"))
+    return [(path, path.with_suffix(".txt").read_text()) for path in found]
+
+
+@pytest.fixture(scope="module")
+def findings(recordings, tmp_path_factory):
+    """Findings of one run over a folder of good recordings and every kind of bad one: id -> (level, sentences)."""
+    folder = tmp_path_factory.mktemp("bad")
+    root = folder / "clips"
+    root.mkdir()
+
+    def add(name, source, transcript=None, suffix=".mp4"):
+        path, said = source
+        target = root / f"{name}{suffix}"
+        if transcript is not False:
+            target.with_suffix(".txt").write_text(said if transcript is None else transcript)
+        return path, target
+
+    for number, source in enumerate(recordings[:GOOD]):
+        shutil.copy(*add(f"good{number}", source))
+    spare = recordings[GOOD:]
+    path, target = add("truncated", spare[0])
+    shutil.copy(path, target)
+    synthetic.truncated(target)
+    add("empty", spare[0])[1].touch()
+    add("nonsense", spare[0])[1].write_bytes(b"this is no video" * 100)
+    path, target = add("mute", spare[0])
+    synthetic.record(target, frames=frames_of(path), audio=np.zeros(0))
+    path, target = add("silence", spare[0])
+    remake(path, target, audio=np.zeros_like(read_audio(path, 16_000)))
+    path, target = add("tone", spare[0])
+    length = len(read_audio(path, 16_000))
+    remake(path, target, audio=0.3 * np.sin(2 * np.pi * 440 * np.arange(length) / 16_000).astype(np.float32))
+    path, target = add("othersentence", spare[0], spare[1][1] + " " + spare[2][1])
+    shutil.copy(path, target)
+    path, target = add("emptytext", spare[0], "")
+    shutil.copy(path, target)
+    path, target = add("notext", spare[0], False)
+    shutil.copy(path, target)
+    path, target = add("noface", spare[0])
+    remake(path, target, frames=covered(frames_of(path), 0, 10_000))
+    path, target = add("hidden", spare[1])
+    remake(path, target, frames=covered(frames_of(path), 20, 24))
+    path, target = add("twofaces", spare[1])
+    remake(path, target, frames=[two_faces(frame) for frame in frames_of(path)])
+    path, target = add("variable", spare[1])
+    frames = frames_of(path)
+    times = np.arange(len(frames)) / 25 + 0.012 * np.sin(np.arange(len(frames)))
+    remake(path, target, frames=frames, times=list(times - times[0]))
+    path, target = add("telephone", spare[2])
+    remake(path, target, audio=read_audio(path, 8000), audio_rate=8000)
+    corpus = {"name": "bad", "adapter": "folder", "root": str(root), "consent": "Nobody's face."}
+    overlay = folder / "bad.yaml"
+    overlay.write_text(yaml.safe_dump({"corpus": corpus, "max_rejected_share": 0.9, "shards": 2}))
+    done = snakemake(folder, "pose", configfiles=(overlay,))
+    assert done.returncode == 0, done.stdout[-6000:]
+    assert "Traceback" not in done.stdout
+    result: dict[str, list[tuple[str, str, str]]] = {}
+    table = read_table(
+        folder / "results" / "bad" / "fan2015" / "findings.tsv", ("id", "stage", "level", "file", "finding", "remedy")
+    )
+    for row in table.itertuples():
+        result.setdefault(row.id, []).append((row.level, row.finding, row.remedy))
+    result["accepted"] = set(read_table(folder / "results" / "bad" / "fan2015" / "utterances.tsv")["id"])
+    return result
+
+
+REJECTED = {
+    "truncated": "truncated|unreadable",
+    "empty": "unreadable|empty|no bytes",
+    "nonsense": "unreadable",
+    "mute": "no audio stream",
+    "silence": "silent audio",
+    "tone": "without speech",
+    "othersentence": "transcript|words",
+    "emptytext": "empty",
+    "notext": "no transcript",
+    "noface": "face|one colour|stands still",
+}
+WARNED = {"variable": "variable frame rate", "telephone": "8 kHz"}
+
+
+@pytest.mark.parametrize("name", REJECTED)
+def test_unusable_recordings_are_rejected_with_reason_and_remedy(name, findings):
+    rejections = [(finding, remedy) for level, finding, remedy in findings[name] if level == "reject"]
+    assert rejections and name not in findings["accepted"]
+    finding, remedy = rejections[0]
+    assert any(word in finding for word in REJECTED[name].split("|")), finding
+    assert len(remedy) > 10
+
+
+@pytest.mark.parametrize("name", WARNED)
+def test_odd_recordings_are_used_and_reported(name, findings):
+    assert name in findings["accepted"]
+    assert any(level == "warn" and WARNED[name] in finding for level, finding, _ in findings[name])
+
+
+def test_frames_without_a_face_are_reported(findings):
+    assert findings["hidden"]
+
+
+def test_two_faces_are_reported(findings):
+    assert any("faces" in finding or "pixels" in finding for _, finding, _ in findings["twofaces"])
+
+
+def test_the_corpus_goes_on_with_the_good_recordings(findings):
+    assert {f"good{number}" for number in range(GOOD)} <= findings["accepted"]
+
+
+@pytest.mark.parametrize(
+    ("settings", "said"),
+    [
+        ({"aam": {"shap": {"energy": 0.9}}}, "unknown setting `aam.shap`. Did you mean `shape`?"),
+        ({"corpus": {"name": "x", "adapter": "folder", "root": "/nowhere/at/all"}}, "/nowhere/at/all"),
+        ({"corpus": {"name": "x", "adapter": "folder"}}, "root"),
+        ({"corpus": "griid"}, "Did you mean `grid`?"),
+        ({"shards": 0}, "`shards: 0`"),
+    ],
+)
+def test_bad_settings_fail_before_any_job(settings, said, tmp_path):
+    overlay = tmp_path / "bad.yaml"
+    overlay.write_text(yaml.safe_dump(settings))
+    done = snakemake(tmp_path, "all", configfiles=(overlay,))
+    assert done.returncode != 0
+    assert said in done.stdout
+    assert "Traceback" not in done.stdout and "rule " not in done.stdout
+
+
+def test_two_utterances_with_one_id_fail_before_any_job(tmp_path):
+    for folder in ("a", "b"):
+        (tmp_path / "clips" / folder).mkdir(parents=True)
+    rows = ["file\ttranscript\tid", "a/one.mp4\thello\tsame", "b/one.mp4\thello\tsame"]
+    for folder in ("a", "b"):
+        (tmp_path / "clips" / folder / "one.mp4").write_bytes(b"x")
+    (tmp_path / "clips" / "table.tsv").write_text("\n".join(rows) + "\n")
+    corpus = {"name": "x", "adapter": "folder", "root": str(tmp_path / "clips"), "table": "table.tsv"}
+    (tmp_path / "x.yaml").write_text(yaml.safe_dump({"corpus": corpus}))
+    done = snakemake(tmp_path, "all", configfiles=(tmp_path / "x.yaml",))
+    assert done.returncode != 0 and "two utterances have one id" in done.stdout and "Traceback" not in done.stdout
+
+
+def test_too_many_rejected_utterances_stop_the_run(tmp_path):
+    (tmp_path / "clips").mkdir()
+    for number in range(4):
+        (tmp_path / "clips" / f"{number}.mp4").write_bytes(b"no video")
+        (tmp_path / "clips" / f"{number}.txt").write_text("hello there")
+    corpus = {"name": "x", "adapter": "folder", "root": str(tmp_path / "clips"), "consent": "none"}
+    (tmp_path / "x.yaml").write_text(yaml.safe_dump({"corpus": corpus}))
+    done = snakemake(tmp_path, "all", configfiles=(tmp_path / "x.yaml",))
+    assert done.returncode != 0
+    assert "4 of 4 utterances cannot be used" in done.stdout and "Traceback" not in done.stdout
+    assert "rule align_speech" not in done.stdout
+
+
+def test_a_read_only_results_folder_is_a_sentence(tmp_path):
+    """Run as somebody who may not write there (root may write anywhere)."""
+    working = tmp_path / "working"
+    working.mkdir()
+    (working / "results").mkdir(mode=0o555)
+    (working / ".snakemake").mkdir()
+    done = subprocess.run(
+        [sys.executable, "-c", READ_ONLY, str(working), *command(working, "all")],
+        stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, env={**os.environ, "HOME": str(working)},
+    )  # fmt: skip
+    assert done.returncode != 0
+    assert "cannot write to the results folder" in done.stdout, done.stdout
+    assert "Traceback" not in done.stdout
+
+
+#: Becomes nobody where it is root, then runs the rest of the command line.
+READ_ONLY = """
+import os, pathlib, sys
+working = pathlib.Path(sys.argv[1])
+if os.geteuid() == 0:
+    for path in (working, working / ".snakemake"):
+        os.chown(path, 65534, 65534)
+    for parent in working.parents:
+        if parent.stat().st_mode & 0o005 != 0o005:
+            os.chmod(parent, parent.stat().st_mode | 0o055)
+    os.setgid(65534)
+    os.setuid(65534)
+os.execv(sys.argv[2], sys.argv[2:])
+"""
+
+
+def test_a_full_disk_is_a_sentence(tmp_path):
+    """A limit on the size of files stands for the disk: writing past it fails in the same way."""
+    limited = f"ulimit -f 40; trap '' XFSZ; exec {' '.join(map(str, command(tmp_path, 'alignment')))}"
+    done = subprocess.run(["bash", "-c", limited], stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
+    assert done.returncode != 0
+    assert "cannot write" in done.stdout and "disk is not full" in done.stdout, done.stdout[-3000:]
+    assert "Traceback" not in done.stdout
+    left = [path for path in Path(tmp_path, "results").rglob("*.mp4") if "partial" not in str(path)]
+    assert left == []
+
+
+def test_the_repository_has_no_unsafe_reader():
+    unsafe = ("import pickle", "torch.load(", "allow_pickle=True", "shell=True", "yaml.load(")
+    for path in (REPOSITORY / "visualspeech").rglob("*.py"):
+        text = path.read_text()
+        assert not [word for word in unsafe if word in text], path
