@@ -68,7 +68,9 @@ class RenderSettings:
         if not 0 < self.opaque <= 1:
             raise SettingError(f"opaque is {self.opaque!r}; give a share above 0, up to 1 (0.6 serves).")
         if not 0.2 <= self.reach <= 2:
-            raise SettingError(f"reach is {self.reach!r}; give a share of the face's width from 0.2 to 2 (0.45 serves).")
+            raise SettingError(
+                f"reach is {self.reach!r}; give a share of the face's width from 0.2 to 2 (0.45 serves)."
+            )
         for name in ("point_smoothing", "colour_smoothing", "colour_limit"):
             if not getattr(self, name) >= 0:
                 raise SettingError(f"{name} is {getattr(self, name)!r}; give a number of 0 or more.")
