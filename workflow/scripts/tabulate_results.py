@@ -4,7 +4,7 @@ from pathlib import Path
 
 from visualspeech.corpora.table import read_split
 from visualspeech.evaluation.statistics import BootstrapSettings
-from visualspeech.evaluation.table_formats import to_html, to_latex, to_markdown, to_tsv
+from visualspeech.evaluation.table_formats import to_html_page, to_latex, to_markdown, to_tsv
 from visualspeech.evaluation.tables import TableFacts, TableSettings, result_table
 from visualspeech.jobs import job
 from visualspeech.provenance import split_hash
@@ -16,5 +16,5 @@ with job(snakemake.log[0]):
     settings = dict(snakemake.params.settings)
     bootstrap = BootstrapSettings(**settings.pop("bootstrap"), seed=snakemake.params.seed)
     table = result_table(measured, facts, TableSettings(**settings), bootstrap)
-    for path, form in zip(snakemake.output, (to_tsv, to_markdown, to_latex, to_html), strict=True):
+    for path, form in zip(snakemake.output, (to_tsv, to_markdown, to_latex, to_html_page), strict=True):
         write_text(path, form(table))
