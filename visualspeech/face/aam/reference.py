@@ -195,8 +195,10 @@ def paint(texture: np.ndarray, points: np.ndarray, reference: Reference, canvas:
     points : (51, 2) where the points are in the picture
     canvas : (height, width, 3) uint8; a painted copy is returned
     """
+    import cv2
+
     colours, inside = render(texture, points, reference, *canvas.shape[:2])
-    return np.where(inside[..., None], colours, canvas)
+    return cv2.copyTo(colours, inside.view(np.uint8), canvas.copy())
 
 
 def render(
@@ -215,12 +217,15 @@ def render(
     rows, columns = np.nonzero(inside)
     if not len(rows):
         return colours, inside
-    maps = _affine_maps(np.asarray(points, np.float64), reference.grid_shape)[index[rows, columns]]
-    at = np.stack([columns, rows, np.ones(len(rows))], axis=1)
-    places = np.einsum("nij,nj->ni", maps, at).astype(np.float32)
+    maps = _affine_maps(np.asarray(points, np.float64), reference.grid_shape).astype(np.float32)[index[rows, columns]]
+    places = maps[..., 0] * columns[:, None] + maps[..., 1] * rows[:, None] + maps[..., 2]
     picture = texture_picture(np.asarray(texture, np.float32), reference)
     values = cv2.remap(
-        picture, places[:, None, 0], places[:, None, 1], cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE
+        picture,
+        places[:, None, 0].astype(np.float32),
+        places[:, None, 1].astype(np.float32),
+        cv2.INTER_LINEAR,
+        borderMode=cv2.BORDER_REPLICATE,
     )
     colours[rows, columns] = np.clip(np.rint(values[:, 0, :]), 0, 255).astype(np.uint8)
     return colours, inside

@@ -1,0 +1,88 @@
+"""Frames a second of reading textures out of pictures and painting them back, on one core.
+
+Run: python benchmarks/texture.py [video]
+
+Without a video the pictures are made up (360 x 288) and decoding is not counted. With one, its frames are decoded on
+the way, with made-up points: the speed does not depend on what is in the picture. The plain way, one warp for each
+triangle of the mesh as image libraries offer it, is timed beside ours.
+"""
+
+import sys
+import time
+from itertools import islice
+
+import cv2
+import numpy as np
+
+from visualspeech.face.aam.points import TRIANGLES, lower_face
+from visualspeech.face.aam.reference import Reference, fit_reference, paint, sample_texture
+from visualspeech.media import read_frames
+
+FRAMES = 75
+
+
+def faces(count: int) -> np.ndarray:
+    """Points (count, 51, 2) of a face about 110 pixels wide that nods a little."""
+    turn = np.arange(17) / 16 * np.pi
+    points = np.zeros((68, 2))
+    points[:17] = np.stack([-55 * np.cos(turn), 70 * np.sin(turn)], axis=1)
+    points[27:31, 1] = np.linspace(0, 26, 4)
+    points[31:36] = np.stack([np.linspace(-11, 11, 5), [32, 34, 35, 34, 32]], axis=1)
+    ring = np.arange(12) / 12 * 2 * np.pi
+    points[48:60] = np.stack([-18 * np.cos(ring), 48 - 7 * np.sin(ring)], axis=1)
+    ring = np.arange(8) / 8 * 2 * np.pi
+    points[60:68] = np.stack([-14 * np.cos(ring), 48 - 3 * np.sin(ring)], axis=1)
+    nod = np.sin(np.arange(count) / 5)[:, None]
+    return lower_face(points[None] + np.stack([180 + 2 * nod, 120 + 3 * nod], axis=2))
+
+
+def triangle_by_triangle(frame: np.ndarray, points: np.ndarray, reference: Reference) -> np.ndarray:
+    height, width = reference.nearest.shape
+    picture = np.zeros((height, width, 3), np.uint8)
+    for corners in TRIANGLES:
+        warp = cv2.getAffineTransform(
+            points[corners].astype(np.float32), reference.grid_shape[corners].astype(np.float32)
+        )
+        mask = np.zeros((height, width), np.uint8)
+        cv2.fillConvexPoly(mask, np.rint(reference.grid_shape[corners]).astype(np.int32), 1)
+        cv2.copyTo(cv2.warpAffine(frame, warp, (width, height)), mask, picture)
+    return picture[reference.pixels[:, 0], reference.pixels[:, 1]].T.reshape(-1)
+
+
+def speed(name: str, function, count: int) -> float:
+    start = time.perf_counter()
+    for number in range(count):
+        function(number)
+    rate = count / (time.perf_counter() - start)
+    print(f"{name:44s} {rate:8.0f} frames/s")
+    return rate
+
+
+def main(video: str = "") -> None:
+    cv2.setNumThreads(1)
+    generator = np.random.default_rng(1)
+    if video:
+        pictures = list(islice(read_frames(video), FRAMES))
+    else:
+        pictures = list(generator.integers(0, 256, (FRAMES, 288, 360, 3), dtype=np.uint8))
+    points = faces(len(pictures))
+    reference = fit_reference([points])
+    print(f"textures of {reference.size} pixels")
+    ours = speed("sample_texture", lambda i: sample_texture(pictures[i], points[i], reference), len(pictures))
+    plain = speed(
+        "a warp for each triangle", lambda i: triangle_by_triangle(pictures[i], points[i], reference), len(pictures)
+    )
+    print(f"ratio: {ours / plain:.1f}")
+    textures = [sample_texture(picture, at, reference) for picture, at in zip(pictures, points, strict=True)]
+    speed("paint", lambda i: paint(textures[i], points[i], reference, pictures[i]), len(pictures))
+    if video:
+        start = time.perf_counter()
+        done = 0
+        for number, frame in enumerate(islice(read_frames(video), FRAMES)):
+            sample_texture(frame, points[number], reference)
+            done += 1
+        print(f"{'decoding and sample_texture':44s} {done / (time.perf_counter() - start):8.0f} frames/s")
+
+
+if __name__ == "__main__":
+    main(*sys.argv[1:])
