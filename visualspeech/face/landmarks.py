@@ -29,7 +29,7 @@ class LandmarkSettings:
     ----------
     tracker : name in :data:`TRACKERS`
     face_pixels : side in pixels to which the face box is brought before points are predicted; points come in whole
-        pixels of this picture, so a larger side means finer points (500 is 4x upsampling on GRID)
+        pixels of this picture, so a larger side means finer points, and slower (400 is 3.4x upsampling on GRID)
     predictions : predictions a frame, each on a slightly different crop, averaged
     detector_pixels : longest side in pixels of the picture in which a face is searched for
     search_every : frames between two searches of the whole frame
@@ -40,7 +40,7 @@ class LandmarkSettings:
     """
 
     tracker: str = "dlib"
-    face_pixels: int = 500
+    face_pixels: int = 400
     predictions: int = 1
     detector_pixels: int = 640
     search_every: int = 25
