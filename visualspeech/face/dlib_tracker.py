@@ -132,10 +132,11 @@ class DlibTracker:
         picture = grey
         if scale < 1.0:
             picture = self._cv.resize(grey, None, fx=scale, fy=scale, interpolation=self._cv.INTER_AREA)
-        # The detector's faces are at least 80 pixels wide; before one is known, half as wide ones are looked for at
-        # times, which takes four times as long.
-        twice = int(self._box is None and self._frame % self._settings.search_every == 1)
-        rectangles, scores, _ = self._detector.run(picture, twice, 0.0)
+        rectangles, scores, _ = self._detector.run(picture, 0, 0.0)
+        # The detector's faces are at least 80 pixels wide; as long as none is known, half as wide ones are looked for
+        # now and then, which takes four times as long.
+        if not rectangles and self._box is None and self._frame % self._settings.search_every == 1:
+            rectangles, scores, _ = self._detector.run(picture, 1, 0.0)
         if not rectangles:
             return None
         boxes = np.array([((r.left() + r.right()) / 2, (r.top() + r.bottom()) / 2, r.width(), 0) for r in rectangles])
