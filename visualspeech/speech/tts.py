@@ -277,7 +277,7 @@ def _word_times(text, voice, spans, original, merged, onsets, ends) -> list[tupl
     for i, (first, event) in enumerate(spans):
         last_event = spans[i + 1][1] if i + 1 < len(spans) else len(original)
         last_character = spans[i + 1][0] if i + 1 < len(spans) else len(text)
-        tokens = re.findall(r"[\w'’-]+", text[first:last_character])
+        tokens = re.findall(r"[\w'’]+", text[first:last_character])
         if not tokens or event == last_event:
             continue
         since, until = original[event], original[last_event] if last_event < len(original) else np.inf
