@@ -40,8 +40,10 @@ def utterances(corpus: Mapping) -> list[Utterance]:
     shards = corpus.get("shards")
     if shards is not None and (isinstance(shards, bool) or not isinstance(shards, int) or shards < 1):
         raise SettingError(f"`shards` of the demo corpus is {shards!r}; give a whole number, 1 or more.")
-    chosen = random.Random(int(corpus.get("seed", 1))).sample(range(len(SENTENCES)), count)
-    return [_utterance(number, corpus["root"], shards) for number in sorted(chosen)]
+    # The first of one order, so that a larger corpus keeps the utterances of a smaller one.
+    order = list(range(len(SENTENCES)))
+    random.Random(int(corpus.get("seed", 1))).shuffle(order)
+    return [_utterance(number, corpus["root"], shards) for number in sorted(order[:count])]
 
 
 def _utterance(number: int, root: str | Path, shards: int | None) -> Utterance:
