@@ -32,12 +32,12 @@ def trajectory_pictures(
     utterances: Sequence[Utterance], features: ArrayCollection, predictions: str, alignments: Sequence[str], count: int
 ) -> tuple[Picture, ...]:
     """Predicted against true appearance parameters of the first ``count`` test utterances."""
-    rows = {}
-    for path in alignments:
-        rows |= read_alignment_rows(path)
+    shown = of_split(utterances, "test")[:count]
+    wanted = {one.id for one in shown}
+    rows = {name: found for path in alignments for name, found in read_alignment_rows(path).items() if name in wanted}
     pictures = []
     with ArrayReader(predictions) as predicted:
-        for one in of_split(utterances, "test")[:count]:
+        for one in shown:
             phones = rows[one.id][rows[one.id]["tier"] == "phone"][["label", "start", "end"]]
             png = plots.trajectories(
                 features.array(one.id, "appearance"),

@@ -1,0 +1,45 @@
+"""Which frames a head is fitted to."""
+
+import numpy as np
+import pytest
+
+from visualspeech.errors import CorpusError
+from visualspeech.face.sampling import other_sizes, picture_size, sample_points
+from visualspeech.storage import ArrayReader, ArrayWriter
+
+
+@pytest.fixture
+def landmarks(tmp_path):
+    with ArrayWriter(tmp_path / "l.h5") as out:
+        for number in range(6):
+            points = np.full((10, 68, 2), float(number))
+            points[:, 0, 0] = np.arange(10)
+            size = {"width": 99 if number == 5 else 360, "height": 288}
+            detected = np.arange(10) % 2 == 0
+            out.add(f"u{number}", {"points": points, "detected": detected}, 25.0, **size)
+    with ArrayReader(tmp_path / "l.h5") as reader:
+        yield type("Files", (), {"array": reader.array, "reader": lambda self, one: reader})()
+
+
+def test_frames_are_spread_over_utterances_of_the_usual_size_and_were_detected(landmarks):
+    ids = [f"u{number}" for number in range(6)]
+    points, size = sample_points(landmarks, ids, 10)
+    assert size == (360, 288) == picture_size(landmarks, ids)
+    assert sorted(set(points[:, 5, 0])) == [0, 1, 2, 3, 4]
+    assert np.all(points[:, 0, 0] % 2 == 0)
+    assert len(points) == 10
+
+
+def test_fewer_frames_than_utterances(landmarks):
+    points, _ = sample_points(landmarks, [f"u{number}" for number in range(5)], 3)
+    assert len(points) == 3
+
+
+def test_another_picture_size_is_rejected_by_name(landmarks):
+    refused = other_sizes(landmarks, [f"u{number}" for number in range(6)])
+    assert list(refused) == ["u5"] and "99x288" in refused["u5"].reason
+
+
+def test_nothing_to_fit_is_a_sentence(landmarks):
+    with pytest.raises(CorpusError, match="no training utterance"):
+        sample_points(landmarks, [], 5)
