@@ -62,11 +62,11 @@ class TrainingSettings:
     """
 
     optimiser: str = "adam"
-    learning_rate: float = 1e-3
+    learning_rate: float = 2e-3
     momentum: float = 0.9
     batch: int = 8
     max_epochs: int = 200
-    patience: int = 12
+    patience: int = 8
     min_improvement: float = 1e-4
     decay: float = 0.5
     decay_patience: int = 4
