@@ -39,6 +39,9 @@ class Figure:
     high: float
 
 
+NO_FIGURE = Figure(np.nan, np.nan, np.nan)
+
+
 def draws(utterances: int, settings: BootstrapSettings) -> np.ndarray:
     """Indices of the drawn utterances, shape (samples, utterances), with replacement.
 
@@ -96,7 +99,7 @@ def relative_figure(row: Sampled, base: Sampled, level: float) -> Figure:
     """
     below = figure(base, level)
     if not (below.low > 0 or below.high < 0):
-        return Figure(np.nan, np.nan, np.nan)
+        return NO_FIGURE
     return figure(Sampled(row.value / base.value, _quotient(row.samples, base.samples)), level)
 
 
@@ -108,7 +111,8 @@ def summarise(tables: Mapping[str, object], metrics: Sequence[str], settings: Bo
     tables : row name (a network or a baseline) -> per-utterance table of :mod:`visualspeech.evaluation.metrics`
     metrics : names of measures
     settings : of the bootstrap
-    base : the row that every row is divided by
+    base : the row that every row is divided by, in the measures of an error. What a prediction gets right (correlation,
+        variance kept) is 0 for the training mean but for chance, and no ratio to that says anything
 
     Returns
     -------
@@ -133,7 +137,9 @@ def summarise(tables: Mapping[str, object], metrics: Sequence[str], settings: Bo
         for metric in chosen:
             sampled = sample(*sums(table, metric), drawn)
             own = figure(sampled, settings.level)
-            ratio = relative_figure(sampled, below[metric.name], settings.level)
+            ratio = NO_FIGURE
+            if metric.best == "low":
+                ratio = relative_figure(sampled, below[metric.name], settings.level)
             lines.append((row, metric.name, own.value, own.low, own.high, ratio.value, ratio.low, ratio.high))
     return pandas.DataFrame(
         lines, columns=["row", "metric", "value", "low", "high", "ratio", "ratio_low", "ratio_high"]

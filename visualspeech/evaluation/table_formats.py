@@ -79,7 +79,10 @@ def _note(table: ResultTable) -> str:
     """Why a ratio is missing, where one is."""
     if all(table.cells[row, metric.name]["ratio"] for row in table.rows for metric in table.metrics):
         return ""
-    return f"No ratio is given where the interval of the {ROW_TITLES[BASE_ROW].lower()} itself holds 0."
+    return (
+        f"Ratios are given of errors. The {ROW_TITLES[BASE_ROW].lower()} keeps no variance and correlates by chance, "
+        "and no ratio to that says anything; nor is there one where the interval of its error holds 0."
+    )
 
 
 def to_markdown(table: ResultTable) -> str:

@@ -100,3 +100,16 @@ def test_nothing_to_evaluate():
 def test_settings_out_of_range(wrong):
     with pytest.raises(SettingError, match=next(iter(wrong))):
         BootstrapSettings(**wrong)
+
+
+def test_only_errors_are_shown_as_ratios():
+    import pandas
+
+    columns = {"id": ["a", "b", "c"], "frames": [10, 10, 10], "corr_undefined": 0, "true_scatter": 1.0}
+    table = pandas.DataFrame({**columns, "rmse_shape": [1.0, 1.1, 1.2], "corr": [-0.01, -0.012, -0.011]})
+    settings = statistics.BootstrapSettings(samples=50)
+    summary = statistics.summarise({"training_mean": table, "F-1": table}, ["rmse_shape", "corr"], settings)
+    assert summary.set_index("metric")["ratio"].groupby("metric").first().notna().to_dict() == {
+        "corr": False,
+        "rmse_shape": True,
+    }
