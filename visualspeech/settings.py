@@ -1,7 +1,7 @@
 """Settings: read, layered, and checked against the schema before any job runs.
 
-A run has three layers, the later over the earlier: the experiment's file (the numbers of one paper), ``config.yaml``, and
-what the command line gives (``--configfile``, ``--config``). The corpus is named, or given as a file or in place.
+A run has three layers, the later over the earlier: the experiment's file (the numbers of one paper), ``config.yaml``,
+and what the command line gives (``--configfile``, ``--config``). The corpus is named, or given as a file or in place.
 """
 
 import difflib
@@ -46,7 +46,9 @@ def merged(base: Mapping, over: Mapping) -> dict:
             result = {key: value for key, value in result.items() if key not in other}
     for key, value in over.items():
         below = result.get(key)
-        result[key] = merged(below, value) if isinstance(below, dict) and isinstance(value, Mapping) else deepcopy(value)
+        result[key] = (
+            merged(below, value) if isinstance(below, dict) and isinstance(value, Mapping) else deepcopy(value)
+        )
     return result
 
 
@@ -102,8 +104,10 @@ def _sentence(problem) -> str:
         known = sorted(problem.schema.get("properties", {}))
         extra = [key for key in problem.instance if key not in known]
         names = ", ".join(f"`{where + '.' if where else ''}{key}`" for key in extra)
-        return f"unknown setting {names}." + "".join(_did_you_mean(key, known) for key in extra) + (
-            f" Known here: {', '.join(known)}."
+        return (
+            f"unknown setting {names}."
+            + "".join(_did_you_mean(key, known) for key in extra)
+            + (f" Known here: {', '.join(known)}.")
         )
     if problem.validator == "required":
         missing = [key for key in problem.validator_value if key not in problem.instance]

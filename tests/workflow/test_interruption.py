@@ -10,7 +10,12 @@ import pytest
 from tests.workflow.running import command, snakemake, tables
 
 #: The run is killed when a file that matches appears: early, in the middle of the shards, in training, at the end.
-MOMENTS = ["recordings", "landmarks/*.h5", "fan2015/aam/model.safetensors", "fan2015/models/FB-16/checkpoint.safetensors"]
+MOMENTS = [
+    "recordings",
+    "landmarks/*.h5",
+    "fan2015/aam/model.safetensors",
+    "fan2015/models/FB-16/checkpoint.safetensors",
+]
 
 
 def kill_whole_run_when(folder, pattern):

@@ -62,11 +62,6 @@ def list_utterances(corpus: Mapping) -> list[Utterance]:
     return sorted(utterances, key=lambda one: one.id)
 
 
-def legal_id(text: str) -> str:
-    """An id made of a file name: characters that an id may not have become underscores."""
-    return re.sub(r"^[-.]", "_", re.sub(r"[^A-Za-z0-9_.-]", "_", text)) or "_"
-
-
 def _check(utterances: list[Utterance]) -> None:
     seen: dict[str, Utterance] = {}
     # Where names differ in case only, some file systems take them for one.

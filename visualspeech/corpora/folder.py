@@ -7,8 +7,7 @@ from collections import Counter
 from collections.abc import Mapping
 from pathlib import Path
 
-from visualspeech.corpora.adapters import legal_id
-from visualspeech.corpora.records import Utterance
+from visualspeech.corpora.records import Utterance, legal_id
 from visualspeech.errors import CorpusError, SettingError
 
 VIDEOS = frozenset(

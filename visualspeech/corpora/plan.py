@@ -53,11 +53,16 @@ def plan_corpus(corpus: Mapping, shards: int, shares: Mapping[str, float], seed:
         write_text_if_changed(folder / "utterances" / f"{shard}.tsv", _tsv(COLUMNS, rows))
     write_text_if_changed(folder / "split.tsv", _tsv(("id", "split"), sorted(split.items())))
 
-    media = {
-        shard: [f"{corpus['root']}/{shard}"] if made_here else sorted({one.media for one in members if os.path.exists(one.media)})
-        for shard, members in by_shard.items()
-    }
+    if made_here:
+        media = {shard: [f"{corpus['root']}/{shard}"] for shard in by_shard}
+    else:
+        # A listed file that is not there is a finding of the check, not a missing input.
+        media = {shard: _existing(members) for shard, members in by_shard.items()}
     return CorpusPlan(corpus["name"], corpus["adapter"], sorted(by_shard, key=int), media)
+
+
+def _existing(utterances: list[Utterance]) -> list[str]:
+    return sorted({one.media for one in utterances if os.path.exists(one.media)})
 
 
 def _tsv(header, rows) -> str:
@@ -87,8 +92,8 @@ def hold(results: str):
         lock = open(folder / ".lock", "w")  # noqa: SIM115 - held open on purpose
     except OSError as error:
         raise StorageError(
-            f"cannot write to the results folder {folder.resolve()}: {error.strerror}. Give yourself the right to write "
-            "there, or choose another working folder with --directory."
+            f"cannot write to the results folder {folder.resolve()}: {error.strerror}. Give yourself the right to "
+            "write there, or choose another working folder with --directory."
         ) from error
     try:
         fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)

@@ -1,6 +1,7 @@
 """The one record that every corpus adapter yields."""
 
 import hashlib
+import re
 from dataclasses import dataclass
 
 
@@ -32,3 +33,8 @@ class Utterance:
 def shard_of(utterance_id: str, shards: int) -> int:
     """Shard of an utterance by a stable hash of its id: adding one utterance touches one shard."""
     return int(hashlib.sha256(utterance_id.encode()).hexdigest()[:8], 16) % shards
+
+
+def legal_id(text: str) -> str:
+    """An id made of a file name: characters that an id may not have become underscores."""
+    return re.sub(r"^[-.]", "_", re.sub(r"[^A-Za-z0-9_.-]", "_", text)) or "_"

@@ -21,6 +21,6 @@ def predicted_sequence(appearance: np.ndarray, aam: Aam) -> FaceSequence:
 
 
 def recorded_sequence(arrays: Mapping[str, np.ndarray]) -> FaceSequence:
-    """The recorded face from an utterance's features: ``appearance``, ``shape``, ``texture`` and ``points`` (T, 102)."""
+    """The recorded face from an utterance's features: ``appearance``, ``shape``, ``texture``, ``points`` (T, 102)."""
     points = lip_points(arrays["points"], range(LIPS.start, LIPS.stop))
     return FaceSequence(arrays["appearance"], arrays["shape"], arrays["texture"], points)

@@ -8,6 +8,8 @@ rule fit_reference:
         f"{RUN}/logs/fit_reference.log",
     benchmark:
         f"{RUN}/benchmarks/fit_reference.tsv"
+    conda:
+        "visualspeech"
     params:
         settings=SETTINGS["texture"],
         code=code("fit_reference.py"),
@@ -29,6 +31,8 @@ rule sample_textures:
         f"{RUN}/logs/sample_textures/{{shard}}.log",
     benchmark:
         f"{RUN}/benchmarks/sample_textures/{{shard}}.tsv"
+    conda:
+        "visualspeech"
     params:
         drift=SETTINGS["drift"],
         code=code("sample_textures.py"),
@@ -46,6 +50,8 @@ rule fit_aam:
         f"{RUN}/logs/fit_aam.log",
     benchmark:
         f"{RUN}/benchmarks/fit_aam.tsv"
+    conda:
+        "visualspeech"
     params:
         settings=SETTINGS["aam"],
         seed=SEED,
@@ -64,6 +70,8 @@ rule encode_appearance:
         f"{RUN}/logs/encode_appearance/{{shard}}.log",
     benchmark:
         f"{RUN}/benchmarks/encode_appearance/{{shard}}.tsv"
+    conda:
+        "visualspeech"
     params:
         code=code("encode_appearance.py"),
     script:

@@ -11,6 +11,8 @@ rule align_speech:
         f"{CORPUS}/logs/align_speech/{{shard}}.log",
     benchmark:
         f"{CORPUS}/benchmarks/align_speech/{{shard}}.tsv"
+    conda:
+        "visualspeech"
     params:
         settings=SETTINGS["alignment"],
         code=code("align_speech.py"),
@@ -28,6 +30,8 @@ rule export_alignment:
         f"{CORPUS}/logs/export_alignment.log",
     benchmark:
         f"{CORPUS}/benchmarks/export_alignment.tsv"
+    conda:
+        "visualspeech"
     params:
         code=code("export_alignment.py"),
     script:

@@ -10,6 +10,8 @@ rule check_recordings:
         f"{CORPUS}/logs/check_recordings/{{shard}}.log",
     benchmark:
         f"{CORPUS}/benchmarks/check_recordings/{{shard}}.tsv"
+    conda:
+        "visualspeech"
     params:
         settings=SETTINGS["check"],
         code=code("check_recordings.py"),
@@ -28,6 +30,8 @@ rule gather_findings:
         f"{CORPUS}/logs/gather_findings.log",
     benchmark:
         f"{CORPUS}/benchmarks/gather_findings.tsv"
+    conda:
+        "visualspeech"
     params:
         limit=SETTINGS["max_rejected_share"],
         code=code("gather_findings.py"),

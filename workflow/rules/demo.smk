@@ -10,6 +10,8 @@ if PLAN.adapter == "demo":
             f"{CORPUS}/logs/record_demo/{{shard}}.log",
         benchmark:
             f"{CORPUS}/benchmarks/record_demo/{{shard}}.tsv"
+        conda:
+            "visualspeech"
         params:
             corpus=SETTINGS["corpus"],
             code=code("record_demo.py"),

@@ -7,6 +7,8 @@ rule list_phones:
         f"{RUN}/logs/list_phones.log",
     benchmark:
         f"{RUN}/benchmarks/list_phones.tsv"
+    conda:
+        "visualspeech"
     params:
         code=code("list_phones.py"),
     script:
@@ -24,6 +26,8 @@ rule build_features:
         f"{RUN}/logs/build_features/{{shard}}.log",
     benchmark:
         f"{RUN}/benchmarks/build_features/{{shard}}.tsv"
+    conda:
+        "visualspeech"
     params:
         settings=SETTINGS["features"],
         code=code("build_features.py"),

@@ -11,6 +11,8 @@ rule track_landmarks:
         f"{CORPUS}/logs/track_landmarks/{{shard}}.log",
     benchmark:
         f"{CORPUS}/benchmarks/track_landmarks/{{shard}}.tsv"
+    conda:
+        "visualspeech"
     params:
         landmarks=SETTINGS["landmarks"],
         screening=SETTINGS["screening"],

@@ -11,14 +11,16 @@ rule train_network:
         f"{RUN}/logs/train_network/{{model}}.log",
     benchmark:
         f"{RUN}/benchmarks/train_network/{{model}}.tsv"
+    wildcard_constraints:
+        model="|".join(MODELS),
+    conda:
+        "visualspeech"
     params:
         # Not an output: it must outlive a killed job, whose outputs are removed before it runs again.
         checkpoint=f"{RUN}/models/{{model}}/checkpoint.safetensors",
         settings=SETTINGS["training"],
         seed=SEED,
         code=code("train_network.py"),
-    wildcard_constraints:
-        model="|".join(MODELS),
     script:
         "../scripts/train_network.py"
 
@@ -34,10 +36,12 @@ rule predict_network:
         f"{RUN}/logs/predict_network/{{model}}.log",
     benchmark:
         f"{RUN}/benchmarks/predict_network/{{model}}.tsv"
-    params:
-        code=code("predict_network.py"),
     wildcard_constraints:
         model="|".join(MODELS),
+    conda:
+        "visualspeech"
+    params:
+        code=code("predict_network.py"),
     script:
         "../scripts/predict_network.py"
 
@@ -53,11 +57,13 @@ rule predict_baseline:
         f"{RUN}/logs/predict_baseline/{{model}}.log",
     benchmark:
         f"{RUN}/benchmarks/predict_baseline/{{model}}.tsv"
+    wildcard_constraints:
+        model="training_mean|phone_state_mean|triphone_state_mean",
+    conda:
+        "visualspeech"
     params:
         settings=SETTINGS["baselines"],
         code=code("predict_baseline.py"),
-    wildcard_constraints:
-        model="training_mean|phone_state_mean|triphone_state_mean",
     script:
         "../scripts/predict_baseline.py"
 
@@ -72,6 +78,8 @@ rule reconstruct_appearance:
         f"{RUN}/logs/reconstruct_appearance.log",
     benchmark:
         f"{RUN}/benchmarks/reconstruct_appearance.tsv"
+    conda:
+        "visualspeech"
     params:
         code=code("reconstruct_appearance.py"),
     script:

@@ -8,6 +8,8 @@ rule fit_head:
         f"{RUN}/logs/fit_head.log",
     benchmark:
         f"{RUN}/benchmarks/fit_head.tsv"
+    conda:
+        "visualspeech"
     params:
         settings=SETTINGS["pose"],
         code=code("fit_head.py"),
@@ -25,6 +27,8 @@ rule normalise_pose:
         f"{RUN}/logs/normalise_pose/{{shard}}.log",
     benchmark:
         f"{RUN}/benchmarks/normalise_pose/{{shard}}.tsv"
+    conda:
+        "visualspeech"
     params:
         settings=SETTINGS["pose"],
         code=code("normalise_pose.py"),
@@ -51,6 +55,8 @@ rule accept_utterances:
         f"{RUN}/logs/accept_utterances.log",
     benchmark:
         f"{RUN}/benchmarks/accept_utterances.tsv"
+    conda:
+        "visualspeech"
     params:
         settings=SETTINGS["screening"],
         limit=SETTINGS["max_rejected_share"],

@@ -14,6 +14,8 @@ rule write_report:
         f"{CORPUS}/report.html",
     log:
         f"{RUN}/logs/write_report.log",
+    conda:
+        "visualspeech"
     params:
         benchmarks=[f"{CORPUS}/benchmarks", f"{RUN}/benchmarks"],
         settings=SETTINGS,

@@ -9,6 +9,8 @@ rule measure_model:
         f"{RUN}/logs/measure_model/{{model}}.log",
     benchmark:
         f"{RUN}/benchmarks/measure_model/{{model}}.tsv"
+    conda:
+        "visualspeech"
     params:
         code=code("measure_model.py"),
     script:
@@ -28,6 +30,8 @@ rule tabulate_results:
         f"{RUN}/logs/tabulate_results.log",
     benchmark:
         f"{RUN}/benchmarks/tabulate_results.tsv"
+    conda:
+        "visualspeech"
     params:
         settings=SETTINGS["tables"],
         facts={"corpus": PLAN.name, "experiment": SETTINGS["experiment"], "drift": SETTINGS["drift"]["method"]},

@@ -15,6 +15,8 @@ rule render_videos:
         f"{RUN}/logs/render_videos.log",
     benchmark:
         f"{RUN}/benchmarks/render_videos.tsv"
+    conda:
+        "visualspeech"
     params:
         settings=SETTINGS["videos"],
         names={

@@ -2,8 +2,8 @@
 
 import pytest
 
-from visualspeech.corpora.adapters import LEGAL_ID, legal_id, list_utterances
-from visualspeech.corpora.records import shard_of
+from visualspeech.corpora.adapters import LEGAL_ID, list_utterances
+from visualspeech.corpora.records import legal_id, shard_of
 from visualspeech.errors import CorpusError, SettingError
 
 
