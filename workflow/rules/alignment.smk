@@ -22,10 +22,12 @@ rule align_speech:
 
 rule export_alignment:
     input:
-        shards(f"{CORPUS}/alignment/{{shard}}.tsv"),
+        tables=shards(f"{CORPUS}/alignment/{{shard}}.tsv"),
+        audio=shards(f"{CORPUS}/audio/{{shard}}.h5"),
     output:
         textgrid=directory(f"{CORPUS}/alignment/textgrid"),
-        labels=directory(f"{CORPUS}/alignment/labels"),
+        htk=directory(f"{CORPUS}/alignment/htk"),
+        hts=directory(f"{CORPUS}/alignment/hts"),
     log:
         f"{CORPUS}/logs/export_alignment.log",
     benchmark:
