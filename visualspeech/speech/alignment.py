@@ -8,35 +8,69 @@ import numpy as np
 
 from visualspeech.errors import DataError, RejectedUtterance, SettingError
 from visualspeech.speech.lexicon import Lexicon, Pronunciation
-from visualspeech.speech.phones import SILENCE, STATES
+from visualspeech.speech.phones import CLASSES, SILENCE, STATES
+from visualspeech.speech.recognition import (
+    RATE,
+    STEP,
+    RecognisedPhone,
+    padded,
+    recognise_phones,
+    recognise_words,
+    speech_part,
+)
 from visualspeech.storage import read_table
 
-RATE = 16000  # Hz, of the acoustic model
 TIERS = ("word", "phone", "state")
 COLUMNS = ("id", "tier", "index", "parent", "label", "start", "end")
-_FRAME = 0.01  # seconds
+NO_SPEECH = "there is no speech in the sound"
+TOO_SHORT = "the words of the transcript do not fit into the sound"
+LISTEN = "Listen to it: correct the transcript to what is said, or leave the utterance out."
+HEARD = 0.1  # least share of the sound's frames that sound like some phone
+_SHORTEST = 0.002  # seconds of a state that is cut off by the beginning or end of the sound
+_OUTSIDE = 0.05  # seconds that the first and last phone may lie outside of it
 _DIGITS = 5  # of times in seconds
 
 
 @dataclass(frozen=True)
 class AlignmentSettings:
-    """Parameters of the alignment.
+    """Parameters of the alignment and of its refusal. Scores are in the decoder's units a frame.
 
     Parameters
     ----------
-    padding : seconds of quiet noise put before and after the sound, so that it may begin and end with speech
+    speech_level, margin : what is taken for speech and how much around it, see :func:`speech_part`
+    padding : seconds of quiet noise put before and after, so that the sound may begin and end with speech
     noise : amplitude of that noise, root mean square in 16-bit steps
-    delay : seconds by which a frame's first sample lies before the border that the frame stands for (see ``_times``)
+    pause : probability of a pause between two words
+    shortest_pause : seconds; what is shorter is no pause but the closure of the stop after it, or the end of the word
+    mismatch : how much worse than any sequence of phones the transcript may explain the sound
+    word_mismatch : the same for the worst word
+    hasty : share of phones of the shortest possible length (3 frames), at most; words squeezed in beside noise are such
     """
 
+    speech_level: float = 0.3
+    margin: float = 0.1
     padding: float = 0.2
     noise: float = 5.0
-    delay: float = 0.0
+    pause: float = 0.05
+    shortest_pause: float = 0.1
+    mismatch: float = 40.0
+    word_mismatch: float = 110.0
+    hasty: float = 0.55
 
     def __post_init__(self) -> None:
-        for name in ("padding", "noise", "delay"):
-            if not 0 <= getattr(self, name) <= 1000:
-                raise SettingError(f"alignment.{name} is {getattr(self, name)}; it must not be negative.")
+        for name, limit in (
+            ("speech_level", 1),
+            ("margin", 60),
+            ("padding", 60),
+            ("noise", 1000),
+            ("pause", 1),
+            ("shortest_pause", 60),
+        ):
+            if not 0 <= getattr(self, name) <= limit:
+                raise SettingError(f"alignment.{name} is {getattr(self, name)}; give a number from 0 to {limit}.")
+        for name in ("mismatch", "word_mismatch", "hasty"):
+            if not getattr(self, name) > 0:
+                raise SettingError(f"alignment.{name} is {getattr(self, name)}; give a number above 0.")
 
 
 @dataclass(frozen=True)
@@ -106,18 +140,73 @@ def align(
     samples = np.ascontiguousarray(samples)
     if samples.dtype != np.int16 or samples.ndim != 1:
         raise DataError(f"speech must be int16 of shape (n,), not {samples.dtype} of shape {samples.shape}")
+    if not np.any(samples):
+        raise RejectedUtterance(NO_SPEECH, "Check the microphone and the sound track of the recording.")
     words, pronunciations, guessed = _pronounced(transcript, lexicon)
-    for attempt in (settings, replace(settings, padding=3 * settings.padding, noise=4 * settings.noise)):
-        phones = _recognised(samples, words, pronunciations, attempt)
-        phones = phones and _without_padding(phones, len(samples) / RATE)
-        if phones:
-            break
-    else:
-        raise RejectedUtterance(
-            "the words of the transcript cannot be found in the sound",
-            "Listen to it: correct the transcript to what is said, or leave the utterance out.",
+    start, end = speech_part(samples, settings.speech_level, settings.margin)
+    # The second way sees all of the sound, in case the judgement by loudness cut something off.
+    for first, last, padding in ((start, end, settings.padding), (0, len(samples), 2 * settings.padding)):
+        sound = padded(samples[first:last], padding, settings.noise)
+        phones = recognise_words(sound, words, pronunciations, settings.pause)
+        objection = _objection(phones, sound, words, settings)
+        if objection is None:
+            phones = _without_closures(_moved(phones, first / RATE - round(padding * RATE) / RATE), settings)
+            phones = _placed(phones, len(samples) / RATE)
+            if phones is not None:
+                return _assembled(phones, words, guessed)
+            objection = RejectedUtterance(TOO_SHORT, LISTEN)
+    raise objection
+
+
+def _objection(phones, sound, words, settings) -> RejectedUtterance | None:
+    """What speaks against taking these phones for the sound's."""
+    if phones is None:
+        return RejectedUtterance(TOO_SHORT, LISTEN)
+    free = recognise_phones(sound)
+    heard = sum(phone.frames for phone in free if phone.word != -1)
+    spoken = [phone for phone in phones if phone.word != -1]
+    shortest = np.mean([phone.frames <= STATES for phone in spoken])
+    if heard < HEARD * len(sound) / STEP:
+        return RejectedUtterance(NO_SPEECH, "Check the microphone and the sound track of the recording.")
+    overall, each = mismatch(phones, free)
+    worst = int(np.argmax(each))
+    if overall > settings.mismatch or shortest > settings.hasty:
+        return RejectedUtterance(
+            f"the transcript is not what is said (mismatch {overall:.0f}, limit {settings.mismatch:g}; "
+            f"{shortest:.0%} of its phones are too short, limit {settings.hasty:.0%})",
+            LISTEN,
         )
-    return _assembled(phones, words, guessed)
+    if each[worst] > settings.word_mismatch:
+        return RejectedUtterance(
+            f"the word {words[worst]!r} of the transcript is not said "
+            f"(mismatch {each[worst]:.0f}, limit {settings.word_mismatch:g})",
+            LISTEN,
+        )
+    return None
+
+
+def mismatch(phones: list[RecognisedPhone], free: list[RecognisedPhone]) -> tuple[float, np.ndarray]:
+    """How much better any sequence of phones explains a sound than the phones of a transcript.
+
+    Parameters
+    ----------
+    phones : of the transcript
+    free : of the same sound, without the transcript
+
+    Returns
+    -------
+    difference of the log scores of the whole sound, a frame of speech, and the mean difference within each word
+    """
+    given, best = _frame_scores(phones), _frame_scores(free)
+    length = min(len(given), len(best))
+    difference = best[:length] - given[:length]
+    words = np.repeat([phone.word for phone in phones], [phone.frames for phone in phones])[:length]
+    each = [difference[words == k].mean() for k in range(max(words) + 1)]
+    return float(difference.sum() / np.sum(words != -1)), np.array(each)
+
+
+def _frame_scores(phones: list[RecognisedPhone]) -> np.ndarray:
+    return np.repeat([phone.score for phone in phones], [phone.frames for phone in phones])
 
 
 def _pronounced(transcript: str, lexicon: Lexicon):
@@ -135,100 +224,65 @@ def _pronounced(transcript: str, lexicon: Lexicon):
     return words, pronunciations, tuple((word, found[word][0]) for word in unknown)
 
 
-@dataclass(frozen=True)
-class _Phone:
-    """A recognised phone: index of its word (-1: a pause), label, and the borders of its states in seconds, (4,)."""
-
-    word: int
-    label: str
-    borders: tuple[float, ...]
-
-
-def _recognised(samples, words, pronunciations, settings) -> list[_Phone] | None:
-    """Phones with times of the padded sound, or None where the decoder finds no way through."""
-    from pocketsphinx import Decoder
-
-    # A decoder costs some milliseconds without a language model and with the utterance's own words alone; it carries
-    # nothing (adapted means, noise estimates, added words) from one utterance to the next. bestpath fails at times.
-    decoder = Decoder(loglevel="FATAL", bestpath=False, lm=None, dict=None)
-    names = {word: f"w{i}" for i, word in enumerate(pronunciations)}
-    entries = [
-        (names[word] if k == 0 else f"{names[word]}({k + 1})", " ".join(phones).upper())
-        for word, many in pronunciations.items()
-        for k, phones in enumerate(many)
-    ]
-    for k, (name, phones) in enumerate(entries):
-        decoder.add_word(name, phones, k == len(entries) - 1)
-    data = _padded(samples, settings).tobytes()
-    try:
-        decoder.set_align_text(" ".join(names[word] for word in words))
-        _decode(decoder, data)
-        decoder.set_alignment()
-        _decode(decoder, data)
-        # Flattened at once: the nested iterators do not outlive one another.
-        tree = [
-            (word.name, [(phone.name, [(state.start, state.duration) for state in phone]) for phone in word])
-            for word in decoder.get_alignment()
-        ]
-    except RuntimeError:
-        return None
-    phones, index = [], -1
-    for name, parts in tree:
-        spoken = name.startswith("w")
-        index += spoken
-        for label, states in parts:
-            frames = np.array([states[0][0], *(start + length for start, length in states)])
-            borders = frames * _FRAME + settings.delay - settings.padding
-            phones.append(_Phone(index if spoken else -1, label.lower() if spoken else SILENCE, tuple(borders)))
-    return phones if index == len(words) - 1 else None
+def _moved(phones: list[RecognisedPhone], shift: float) -> list[RecognisedPhone]:
+    """Phones moved by ``shift`` seconds, pauses that follow each other joined."""
+    moved: list[RecognisedPhone] = []
+    for phone in phones:
+        borders = tuple(border + shift for border in phone.borders)
+        if moved and moved[-1].word == phone.word == -1:
+            borders = (moved.pop().borders[0], borders[-1])
+        moved.append(replace(phone, borders=borders))
+    return moved
 
 
-def _decode(decoder, data: bytes) -> None:
-    decoder.start_utt()
-    decoder.process_raw(data, full_utt=True)
-    decoder.end_utt()
+def _without_closures(phones: list[RecognisedPhone], settings: AlignmentSettings) -> list[RecognisedPhone]:
+    """Give too short pauses between words to the stop after them, whose closure they are, or to the word before."""
+    kept = list(phones)
+    for i in range(len(phones) - 2, 0, -1):
+        start, end = phones[i].borders[0], phones[i].borders[-1]
+        if phones[i].word != -1 or end - start >= settings.shortest_pause:
+            continue
+        if kept[i + 1].label in CLASSES["stop"] | CLASSES["affricate"]:
+            kept[i + 1] = replace(kept[i + 1], borders=(start, *kept[i + 1].borders[1:]))
+        else:
+            kept[i - 1] = replace(kept[i - 1], borders=(*kept[i - 1].borders[:-1], end))
+        del kept[i]
+    return kept
 
 
-def _padded(samples: np.ndarray, settings: AlignmentSettings) -> np.ndarray:
-    random = np.random.default_rng(0)
-    noise = random.normal(0, settings.noise, (2, round(settings.padding * RATE)))
-    before, after = np.round(noise).astype(np.int16)
-    return np.concatenate([before, samples, after])
-
-
-def _without_padding(phones: list[_Phone], duration: float) -> list[_Phone] | None:
-    """Phones that follow each other from 0 to ``duration``, pauses joined and of three equal states.
+def _placed(phones: list[RecognisedPhone], duration: float) -> list[RecognisedPhone] | None:
+    """Phones that follow each other from 0 to ``duration``, pauses of three equal states.
 
     The borders inside a pause mean nothing, and joining and cutting pauses would leave some without all three states.
-    None where a spoken state lies outside the sound.
+    The closure of a stop that opens a recording may reach into the padding: its states keep ``_SHORTEST`` seconds.
+    None where more speech than that lies outside the sound.
     """
-    joined: list[_Phone] = []
-    for phone in phones:
-        if joined and joined[-1].word == phone.word == -1:
-            phone = _Phone(-1, SILENCE, (joined.pop().borders[0], phone.borders[-1]))
-        joined.append(phone)
-    cut = []
-    for i, phone in enumerate(joined):
-        borders = np.clip(phone.borders, 0.0, duration)
-        borders[0] = 0.0 if i == 0 else borders[0]
-        borders[-1] = duration if i == len(joined) - 1 else borders[-1]
-        if phone.word == -1:
-            if borders[0] == borders[-1]:
-                continue
-            borders = np.linspace(borders[0], borders[-1], STATES + 1)
-        if np.any(np.diff(borders) <= 0):
-            return None
-        cut.append(_Phone(phone.word, phone.label, tuple(borders)))
+    inside = [one for one in phones if one.word != -1 or (one.borders[-1] > 0 and one.borders[0] < duration)]
+    flat = np.array([*(border for phone in inside for border in phone.borders[:-1]), inside[-1].borders[-1]])
+    if inside[0].borders[-1] < -_OUTSIDE or inside[-1].borders[0] > duration + _OUTSIDE:
+        return None
+    least = _SHORTEST * np.arange(len(flat))
+    if least[-1] > duration:
+        return None
+    flat = np.clip(flat, least, duration - least[::-1])
+    flat[0], flat[-1] = 0.0, duration
+    cut, first = [], 0
+    for phone in inside:
+        last = first + len(phone.borders) - 1
+        pause = phone.word == -1
+        borders = np.linspace(flat[first], flat[last], STATES + 1) if pause else flat[first : last + 1]
+        cut.append(replace(phone, borders=tuple(borders.tolist())))
+        first = last
     return cut
 
 
-def _assembled(recognised: list[_Phone], spoken: list[str], guessed) -> Alignment:
+def _assembled(recognised: list[RecognisedPhone], spoken: list[str], guessed) -> Alignment:
     words: list[Segment] = []
     phones: list[Segment] = []
     states: list[Segment] = []
     previous = None
     for phone in recognised:
-        start, *inner, end = (round(float(border), _DIGITS) for border in phone.borders)
+        start, *inner, end = (round(border, _DIGITS) for border in phone.borders)
         if phone.word == previous != -1:
             words[-1] = Segment(words[-1].label, words[-1].start, end)
         else:

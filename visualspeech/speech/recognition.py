@@ -1,0 +1,171 @@
+"""PocketSphinx behind one door: sound and words in, timed and scored phones out.
+
+Every call makes a decoder of its own. Without a language model and with the utterance's own words alone it costs some
+milliseconds, and nothing (adapted means, noise estimates, added words) is carried from one utterance to the next: the
+answer depends on neither the order of utterances nor their shard.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from visualspeech.speech.phones import SILENCE
+
+RATE = 16000  # Hz, of the acoustic model
+STEP = 160  # samples from one frame to the next
+WINDOW = 410  # samples of a frame
+# Frame i covers the samples from i * STEP on, its middle is WINDOW / 2 later, and the border between two frames lies
+# midway between their middles: so the border that the decoder calls frame i is at i * STEP + DELAY samples.
+DELAY = (WINDOW - STEP) / 2
+
+
+@dataclass(frozen=True)
+class RecognisedPhone:
+    """A phone in the sound.
+
+    Parameters
+    ----------
+    word : index of its word, -1 for a pause or noise
+    label : ARPAbet in lower case, or "sil"
+    borders : of its states, in seconds, ascending; its first is the phone's start, its last the phone's end
+    score : log score of each of its frames against that frame's best state of all, in the decoder's units
+    """
+
+    word: int
+    label: str
+    borders: tuple[float, ...]
+    score: float
+
+    @property
+    def frames(self) -> int:
+        """Number of frames."""
+        return round((self.borders[-1] - self.borders[0]) * RATE / STEP)
+
+
+def speech_part(samples: np.ndarray, level: float, margin: float) -> tuple[int, int]:
+    """First and last sample (exclusive) of the part that holds the speech, judged by loudness.
+
+    Room noise and clicks of lips before the first word draw it away from its place, so they are kept from the decoder.
+
+    Parameters
+    ----------
+    samples : (n,) int16 at 16 kHz
+    level : share of the way from the quiet (10th percentile) to the loud (95th) frames, in decibels between 200 and
+        6800 Hz, from which on a frame is taken for speech where most of the 50 ms around it are
+    margin : seconds that are kept before and after
+    """
+    from scipy.ndimage import median_filter
+
+    if len(samples) < WINDOW:
+        return 0, len(samples)
+    half = WINDOW // 2
+    frames = np.lib.stride_tricks.sliding_window_view(np.pad(samples, half).astype(np.float32), WINDOW)[::STEP]
+    decibels = np.empty(len(frames))
+    for first in range(0, len(frames), 1000):  # a long recording is not unrolled at once
+        power = np.abs(np.fft.rfft(frames[first : first + 1000] * np.hanning(WINDOW), 512)) ** 2
+        band = slice(round(200 / RATE * 512), round(6800 / RATE * 512))
+        decibels[first : first + 1000] = 10 * np.log10(power[:, band].sum(axis=1) + 100)
+    decibels = median_filter(decibels, 5)
+    quiet, loud = np.percentile(decibels, [10, 95])
+    speech = np.flatnonzero(decibels >= quiet + level * (loud - quiet))
+    kept = round(margin * RATE)
+    return max(0, speech[0] * STEP - kept), min(len(samples), speech[-1] * STEP + kept)
+
+
+def padded(samples: np.ndarray, padding: float, noise: float) -> np.ndarray:
+    """Samples with ``padding`` seconds of noise of ``noise`` 16-bit steps before and after, always the same noise."""
+    random = np.random.default_rng(0)
+    before, after = np.round(random.normal(0, noise, (2, round(padding * RATE)))).astype(np.int16)
+    return np.concatenate([before, samples, after])
+
+
+def recognise_words(
+    samples: np.ndarray,
+    words: Sequence[str],
+    pronunciations: Mapping[str, Sequence[Sequence[str]]],
+    pause: float,
+) -> list[RecognisedPhone] | None:
+    """Find the phones of given words in the sound, pauses between words where there are some.
+
+    Parameters
+    ----------
+    samples : (n,) int16 at 16 kHz
+    words : in their order
+    pronunciations : of each word, the decoder chooses
+    pause : probability of a pause
+
+    Returns
+    -------
+    phones with times from the first sample, or None where the words cannot be fitted into the sound
+    """
+    # The beams are open: a pruned search loses whole sentences of clear speech, and one sentence is a small search.
+    decoder = _decoder(beam=0.0, pbeam=0.0, wbeam=0.0, silprob=pause)
+    names = {word: f"w{i}" for i, word in enumerate(pronunciations)}
+    entries = [
+        (names[word] if k == 0 else f"{names[word]}({k + 1})", " ".join(phones).upper())
+        for word, many in pronunciations.items()
+        for k, phones in enumerate(many)
+    ]
+    for k, (name, phones) in enumerate(entries):
+        decoder.add_word(name, phones, k == len(entries) - 1)
+    data = samples.tobytes()
+    try:
+        decoder.set_align_text(" ".join(names[word] for word in words))
+        _decode(decoder, data)
+        decoder.set_alignment()
+        _decode(decoder, data)
+        # Flattened at once: the nested iterators do not outlive one another.
+        tree = [
+            (word.name, [(phone.name, phone.score, [(s.start, s.duration) for s in phone]) for phone in word])
+            for word in decoder.get_alignment()
+        ]
+    except RuntimeError:
+        return None
+    found, index = [], -1
+    for name, parts in tree:
+        spoken = name.startswith("w")
+        index += spoken
+        for label, score, states in parts:
+            borders = [states[0][0], *(start + length for start, length in states)]
+            frames = borders[-1] - borders[0]
+            label = label.lower() if spoken else SILENCE
+            found.append(RecognisedPhone(index if spoken else -1, label, _seconds(borders), score / frames))
+    return found if index == len(words) - 1 else None
+
+
+def recognise_phones(samples: np.ndarray) -> list[RecognisedPhone]:
+    """Best sequence of any phones for the sound: how well it can be explained without knowing what is said."""
+    decoder = _decoder()
+    decoder.add_allphone_file("phones", None)
+    decoder.activate_search("phones")
+    try:
+        _decode(decoder, samples.tobytes())
+    except RuntimeError:
+        return []
+    logmath = decoder.logmath
+    found = []
+    for part in decoder.seg():
+        borders = (part.start_frame, part.end_frame + 1)
+        spoken = part.word.isalpha() and part.word != "SIL"
+        label = part.word.lower() if spoken else SILENCE
+        score = logmath.log(part.ascore) / (borders[1] - borders[0])
+        found.append(RecognisedPhone(0 if spoken else -1, label, _seconds(borders), score))
+    return found
+
+
+def _decoder(**options):
+    from pocketsphinx import Decoder
+
+    # bestpath ends some utterances in "Failed to stop utterance processing"; compallsen makes scores comparable.
+    return Decoder(loglevel="FATAL", bestpath=False, compallsen=True, lm=None, dict=None, **options)
+
+
+def _decode(decoder, data: bytes) -> None:
+    decoder.start_utt()
+    decoder.process_raw(data, full_utt=True)
+    decoder.end_utt()
+
+
+def _seconds(frames: Sequence[int]) -> tuple[float, ...]:
+    return tuple((frame * STEP + DELAY) / RATE for frame in frames)
