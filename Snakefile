@@ -1,13 +1,12 @@
-import os
 from pathlib import Path
 
 from snakemake.utils import min_version
 
+from visualspeech.jobs import settle_environment
+
 min_version("9.0")
 
-# One thread a job, whatever the machine: the same numbers with --cores 1 and 2, and small networks train faster so.
-for variable in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMEXPR_NUM_THREADS"):
-    os.environ[variable] = "1"
+settle_environment(workflow.basedir)
 
 
 configfile: str(Path(workflow.basedir, "config", "config.yaml"))

@@ -1,6 +1,7 @@
 """A job's log is whole, and its errors speak to people."""
 
 import logging
+import os
 
 import pytest
 
@@ -64,3 +65,14 @@ def test_progress_yields_all_and_says_how_far(caplog, monkeypatch):
 def test_progress_of_nothing_is_silent(caplog):
     assert list(jobs.progress([], 0, "frames")) == []
     assert not caplog.records
+
+
+def test_jobs_inherit_one_thread_and_the_library(monkeypatch):
+    from visualspeech.jobs import THREAD_VARIABLES, settle_environment
+
+    for name in (*THREAD_VARIABLES, "PYTHONPATH"):
+        monkeypatch.setenv(name, "/elsewhere" if name == "PYTHONPATH" else "8")
+    settle_environment("/library")
+    settle_environment("/library")
+    assert {os.environ[name] for name in THREAD_VARIABLES} == {"1"}
+    assert os.environ["PYTHONPATH"] == os.pathsep.join(["/library", "/elsewhere"])

@@ -9,7 +9,7 @@ rule fit_reference:
     benchmark:
         f"{RUN}/benchmarks/fit_reference.tsv"
     conda:
-        "visualspeech"
+        "../envs/visualspeech.yaml"
     params:
         settings=SETTINGS["texture"],
         code=code("fit_reference.py"),
@@ -32,7 +32,7 @@ rule sample_textures:
     benchmark:
         f"{RUN}/benchmarks/sample_textures/{{shard}}.tsv"
     conda:
-        "visualspeech"
+        "../envs/visualspeech.yaml"
     params:
         drift=SETTINGS["drift"],
         code=code("sample_textures.py"),
@@ -51,7 +51,7 @@ rule fit_aam:
     benchmark:
         f"{RUN}/benchmarks/fit_aam.tsv"
     conda:
-        "visualspeech"
+        "../envs/visualspeech.yaml"
     params:
         settings=SETTINGS["aam"],
         seed=SEED,
@@ -71,7 +71,7 @@ rule encode_appearance:
     benchmark:
         f"{RUN}/benchmarks/encode_appearance/{{shard}}.tsv"
     conda:
-        "visualspeech"
+        "../envs/visualspeech.yaml"
     params:
         code=code("encode_appearance.py"),
     script:

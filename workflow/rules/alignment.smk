@@ -12,7 +12,7 @@ rule align_speech:
     benchmark:
         f"{CORPUS}/benchmarks/align_speech/{{shard}}.tsv"
     conda:
-        "visualspeech"
+        "../envs/visualspeech.yaml"
     params:
         settings=SETTINGS["alignment"],
         code=code("align_speech.py"),
@@ -33,7 +33,7 @@ rule export_alignment:
     benchmark:
         f"{CORPUS}/benchmarks/export_alignment.tsv"
     conda:
-        "visualspeech"
+        "../envs/visualspeech.yaml"
     params:
         code=code("export_alignment.py"),
     script:

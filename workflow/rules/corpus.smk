@@ -11,7 +11,7 @@ rule check_recordings:
     benchmark:
         f"{CORPUS}/benchmarks/check_recordings/{{shard}}.tsv"
     conda:
-        "visualspeech"
+        "../envs/visualspeech.yaml"
     params:
         settings=SETTINGS["check"],
         code=code("check_recordings.py"),
@@ -31,7 +31,7 @@ rule gather_findings:
     benchmark:
         f"{CORPUS}/benchmarks/gather_findings.tsv"
     conda:
-        "visualspeech"
+        "../envs/visualspeech.yaml"
     params:
         limit=SETTINGS["max_rejected_share"],
         code=code("gather_findings.py"),

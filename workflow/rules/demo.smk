@@ -11,9 +11,8 @@ if PLAN.adapter == "demo":
         benchmark:
             f"{CORPUS}/benchmarks/record_demo/{{shard}}.tsv"
         conda:
-            "visualspeech"
+            "../envs/visualspeech.yaml"
         params:
-            corpus=SETTINGS["corpus"],
             code=code("record_demo.py"),
         script:
             "../scripts/record_demo.py"

@@ -8,7 +8,7 @@ rule list_phones:
     benchmark:
         f"{RUN}/benchmarks/list_phones.tsv"
     conda:
-        "visualspeech"
+        "../envs/visualspeech.yaml"
     params:
         code=code("list_phones.py"),
     script:
@@ -27,7 +27,7 @@ rule build_features:
     benchmark:
         f"{RUN}/benchmarks/build_features/{{shard}}.tsv"
     conda:
-        "visualspeech"
+        "../envs/visualspeech.yaml"
     params:
         settings=SETTINGS["features"],
         code=code("build_features.py"),

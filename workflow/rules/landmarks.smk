@@ -12,7 +12,7 @@ rule track_landmarks:
     benchmark:
         f"{CORPUS}/benchmarks/track_landmarks/{{shard}}.tsv"
     conda:
-        "visualspeech"
+        "../envs/visualspeech.yaml"
     params:
         landmarks=SETTINGS["landmarks"],
         screening=SETTINGS["screening"],

@@ -14,7 +14,7 @@ rule train_network:
     wildcard_constraints:
         model="|".join(MODELS),
     conda:
-        "visualspeech"
+        "../envs/visualspeech.yaml"
     params:
         # Not an output: it must outlive a killed job, whose outputs are removed before it runs again.
         checkpoint=f"{RUN}/models/{{model}}/checkpoint.safetensors",
@@ -39,7 +39,7 @@ rule predict_network:
     wildcard_constraints:
         model="|".join(MODELS),
     conda:
-        "visualspeech"
+        "../envs/visualspeech.yaml"
     params:
         code=code("predict_network.py"),
     script:
@@ -60,7 +60,7 @@ rule predict_baseline:
     wildcard_constraints:
         model="training_mean|phone_state_mean|triphone_state_mean",
     conda:
-        "visualspeech"
+        "../envs/visualspeech.yaml"
     params:
         settings=SETTINGS["baselines"],
         code=code("predict_baseline.py"),
@@ -79,7 +79,7 @@ rule reconstruct_appearance:
     benchmark:
         f"{RUN}/benchmarks/reconstruct_appearance.tsv"
     conda:
-        "visualspeech"
+        "../envs/visualspeech.yaml"
     params:
         code=code("reconstruct_appearance.py"),
     script:

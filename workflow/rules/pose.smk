@@ -9,7 +9,7 @@ rule fit_head:
     benchmark:
         f"{RUN}/benchmarks/fit_head.tsv"
     conda:
-        "visualspeech"
+        "../envs/visualspeech.yaml"
     params:
         settings=SETTINGS["pose"],
         code=code("fit_head.py"),
@@ -28,7 +28,7 @@ rule normalise_pose:
     benchmark:
         f"{RUN}/benchmarks/normalise_pose/{{shard}}.tsv"
     conda:
-        "visualspeech"
+        "../envs/visualspeech.yaml"
     params:
         settings=SETTINGS["pose"],
         code=code("normalise_pose.py"),
@@ -56,7 +56,7 @@ rule accept_utterances:
     benchmark:
         f"{RUN}/benchmarks/accept_utterances.tsv"
     conda:
-        "visualspeech"
+        "../envs/visualspeech.yaml"
     params:
         settings=SETTINGS["screening"],
         limit=SETTINGS["max_rejected_share"],

@@ -15,7 +15,7 @@ rule write_report:
     log:
         f"{RUN}/logs/write_report.log",
     conda:
-        "visualspeech"
+        "../envs/visualspeech.yaml"
     params:
         benchmarks=[f"{CORPUS}/benchmarks", f"{RUN}/benchmarks"],
         settings=SETTINGS,

@@ -10,7 +10,7 @@ rule measure_model:
     benchmark:
         f"{RUN}/benchmarks/measure_model/{{model}}.tsv"
     conda:
-        "visualspeech"
+        "../envs/visualspeech.yaml"
     params:
         code=code("measure_model.py"),
     script:
@@ -31,7 +31,7 @@ rule tabulate_results:
     benchmark:
         f"{RUN}/benchmarks/tabulate_results.tsv"
     conda:
-        "visualspeech"
+        "../envs/visualspeech.yaml"
     params:
         settings=SETTINGS["tables"],
         facts={"corpus": PLAN.name, "experiment": SETTINGS["experiment"], "drift": SETTINGS["drift"]["method"]},

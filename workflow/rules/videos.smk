@@ -16,7 +16,7 @@ rule render_videos:
     benchmark:
         f"{RUN}/benchmarks/render_videos.tsv"
     conda:
-        "visualspeech"
+        "../envs/visualspeech.yaml"
     params:
         settings=SETTINGS["videos"],
         names={

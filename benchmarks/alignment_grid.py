@@ -1,0 +1,158 @@
+"""Alignment of GRID: against GRID's own word times, and how well other sentences and sounds without speech are refused.
+
+``python -m benchmarks.alignment_grid [every] [every for the refusals]`` (take each so-many-th recording; default 1 and
+4). GRID's own times come from an aligner too, in steps of 10 ms. The first word's onset is weak in both: GRID often
+begins it at a click of the lips or a breath, 0.1 to 0.4 s before the first sound of the word. It is therefore also
+measured against the loudness, an independent witness: the first time that half of 50 ms is loud.
+
+Refusals: a transcript with every word wrong (a recording whose six words all differ), one word wrong, words added at
+the end, words left out, a sentence out of another world, half of the recording, noise, tones, a hum.
+"""
+
+import sys
+import time
+from collections import Counter
+
+import numpy as np
+
+from tests.paths import grid_root
+from visualspeech.corpora.grid import utterances
+from visualspeech.errors import RejectedUtterance
+from visualspeech.media import read_audio
+from visualspeech.speech.alignment import Aligner, AlignmentSettings
+from visualspeech.speech.recognition import RATE, speech_part
+
+OTHER = (
+    "She sells sea shells by the shore.",
+    "The museum measures usual visions of leisure.",
+    "Young children often use yellow yarn.",
+    "Peter picked a paper from the pile.",
+    "His father thinks that the weather is rather wild.",
+)
+
+
+def sound(utterance) -> np.ndarray:
+    """16-bit samples at 16 kHz."""
+    return np.clip(np.round(read_audio(utterance.media, RATE) * 32767), -32768, 32767).astype(np.int16)
+
+
+def true_words(root) -> dict[str, list[tuple[str, float, float]]]:
+    """GRID's own words and times in seconds by utterance."""
+    found = {}
+    for path in root.rglob("*.align"):
+        rows = [line.split() for line in path.read_text().splitlines() if line.strip()]
+        found[path.stem] = [(word, int(a) / 25000, int(b) / 25000) for a, b, word in rows if word not in ("sil", "sp")]
+    return found
+
+
+def accuracy(corpus, truth) -> None:
+    aligner, rejected, errors, onsets, words = Aligner(), [], [], [], []
+    seconds, used = 0.0, 0.0
+    for utterance in corpus:
+        samples = sound(utterance)
+        seconds += len(samples) / RATE
+        start = time.process_time()
+        try:
+            alignment = aligner.align(samples, utterance.transcript)
+        except RejectedUtterance as error:
+            rejected.append(f"{utterance.id}: {error}")
+            continue
+        finally:
+            used += time.process_time() - start
+        found = [word for word in alignment.words if word.label != "sil"]
+        true = truth[utterance.id]
+        errors.append([(a.start - b[1], a.end - b[2]) for a, b in zip(found, true, strict=True)])
+        loud = speech_part(samples, AlignmentSettings().speech_level, 0.0)[0] / RATE
+        onsets.append((found[0].start - loud, true[0][1] - loud))
+        words.append(found[0].label)
+    errors, onsets = 1000 * np.array(errors), 1000 * np.array(onsets)
+    size = np.abs(errors)
+    print(f"aligned: {len(errors)} of {len(corpus)} ({len(errors) / len(corpus):.1%}); {seconds / used:.0f} s a second")
+    print(*rejected, sep="\n")
+    print(f"word boundaries against GRID, ms: median {np.median(size):.1f}, mean {size.mean():.1f}, ", end="")
+    print(f"within 50 ms {np.mean(size < 50):.1%}, bias (median) {np.median(errors):.1f}")
+    for name, part in (("starts", errors[..., 0]), ("ends", errors[..., 1])):
+        print(f"  {name:6s} by place, median absolute: {np.median(np.abs(part), axis=0).round(1)}", end="")
+        print(f", bias: {np.median(part, axis=0).round(1)}")
+    print(f"  without the first start: median {np.median(np.delete(size.reshape(-1, 12), 0, 1)):.1f}, ", end="")
+    print(f"mean {np.delete(size.reshape(-1, 12), 0, 1).mean():.1f}")
+    print("first onset against the loudness, ms: percentiles 5, 25, 50, 75, 95; more than 150 ms before it")
+    for name, column in (("ours", onsets[:, 0]), ("GRID", onsets[:, 1])):
+        print(f"  {name}: {np.percentile(column, [5, 25, 50, 75, 95]).round()}, {np.mean(column < -150):.1%}")
+    for word in sorted(set(words)):
+        chosen = np.array(words) == word
+        medians = np.median(onsets[chosen], axis=0).round()
+        print(f"  {word}: ours {medians[0]:.0f}, GRID {medians[1]:.0f} (n={chosen.sum()})")
+
+
+def wrong(corpus, truth, every: int) -> dict:
+    """Kind of wrong pair -> (samples, transcript) of it, one at a time."""
+    random = np.random.default_rng(0)
+    texts = {one.id: one.transcript.split() for one in corpus}
+
+    def differing(one):
+        candidates = [
+            other for other in corpus if all(a != b for a, b in zip(texts[one.id], texts[other.id], strict=True))
+        ]
+        return candidates[random.integers(len(candidates))]
+
+    def one_word(one, place):
+        words = list(texts[one.id])
+        others = sorted({texts[other.id][place] for other in corpus} - {words[place]})
+        words[place] = others[random.integers(len(others))]
+        return " ".join(words)
+
+    def tones(_):
+        t = np.arange(3 * RATE) / RATE
+        chord = random.choice([220, 262, 330, 392, 440, 523, 659], 4, replace=False)
+        return sum(np.sin(2 * np.pi * f * t) * (np.sin(2 * np.pi * 3 * t + f) > 0) for f in chord) * 3000
+
+    def hum(_):
+        return np.sin(2 * np.pi * 100 * np.arange(3 * RATE) / RATE) * 2000 + random.normal(0, 20, 3 * RATE)
+
+    pairs = {
+        "all six words wrong": lambda one: (sound(one), differing(one).transcript),
+        "colour wrong": lambda one: (sound(one), one_word(one, 1)),
+        "letter wrong": lambda one: (sound(one), one_word(one, 3)),
+        "digit wrong": lambda one: (sound(one), one_word(one, 4)),
+        "three words too many": lambda one: (sound(one), f"{one.transcript} and then turn right"),
+        "last two words missing": lambda one: (sound(one), " ".join(texts[one.id][:-2])),
+        "another world's sentence": lambda one: (sound(one), OTHER[random.integers(len(OTHER))]),
+        "half of the recording": lambda one: ((samples := sound(one))[: len(samples) // 2], one.transcript),
+        "noise": lambda one: (random.normal(0, random.choice([3, 300, 3000]), 3 * RATE), one.transcript),
+        "tones": lambda one: (tones(one), one.transcript),
+        "hum": lambda one: (hum(one), one.transcript),
+        "only room sound": lambda one: (sound(one)[: round((truth[one.id][0][1] - 0.05) * RATE)], one.transcript),
+    }
+    return {kind: (pair(one) for one in corpus[::every]) for kind, pair in pairs.items()}
+
+
+def refusals(corpus, truth, every: int) -> None:
+    print("refused:")
+    aligner = Aligner()
+    for kind, pairs in wrong(corpus, truth, every).items():
+        reasons = Counter()
+        for samples, transcript in pairs:
+            samples = np.clip(np.round(samples), -32768, 32767).astype(np.int16)
+            try:
+                aligner.align(samples, transcript)
+                reasons["accepted"] += 1
+            except RejectedUtterance as error:
+                reasons[error.reason.split("(")[0].split("'")[0].strip()] += 1
+        share = 1 - reasons["accepted"] / sum(reasons.values())
+        del reasons["accepted"]
+        print(f"  {kind}: {share:.0%}   {dict(reasons)}", flush=True)
+
+
+def main() -> None:
+    root = grid_root()
+    if root is None:
+        sys.exit("GRID is not here: set GRID_ROOT to the folder that holds s1/ and alignments/.")
+    every, sparse = (int(value) for value in (sys.argv[1:] + ["1", "4"][len(sys.argv) - 1 :])[:2])
+    corpus, truth = utterances({"name": "grid", "root": str(root)}), true_words(root)
+    accuracy(corpus[::every], truth)
+    refusals(corpus, truth, sparse)
+
+
+if __name__ == "__main__":
+    main()
