@@ -1,9 +1,9 @@
 """Alignment of GRID: against GRID's own word times, and how well other sentences and sounds without speech are refused.
 
-``python -m benchmarks.alignment_grid [every] [every for the refusals]`` (take each so-many-th recording; default 1 and
-4). GRID's own times come from an aligner too, in steps of 10 ms. The first word's onset is weak in both: GRID often
-begins it at a click of the lips or a breath, 0.1 to 0.4 s before the first sound of the word. It is therefore also
-measured against the loudness, an independent witness: the first time that half of 50 ms is loud.
+``python -m benchmarks.alignment_grid [every] [every for the refusals]`` (take each so-many-th recording, 0 for none;
+default 1 and 4). GRID's own times come from an aligner too, in steps of 10 ms. The first word's onset is weak in both:
+GRID often begins it at a click of the lips or a breath, 0.1 to 0.4 s before the first sound of the word. It is
+therefore also measured against the loudness, an independent witness: the first time that most of 50 ms is loud.
 
 Refusals: a transcript with every word wrong (a recording whose six words all differ), one word wrong, words added at
 the end, words left out, a sentence out of another world, half of the recording, noise, tones, a hum.
@@ -67,7 +67,8 @@ def accuracy(corpus, truth) -> None:
         words.append(found[0].label)
     errors, onsets = 1000 * np.array(errors), 1000 * np.array(onsets)
     size = np.abs(errors)
-    print(f"aligned: {len(errors)} of {len(corpus)} ({len(errors) / len(corpus):.1%}); {seconds / used:.0f} s a second")
+    print(f"aligned: {len(errors)} of {len(corpus)} ({len(errors) / len(corpus):.1%}), ", end="")
+    print(f"{seconds / used:.0f} s of sound a second")
     print(*rejected, sep="\n")
     print(f"word boundaries against GRID, ms: median {np.median(size):.1f}, mean {size.mean():.1f}, ", end="")
     print(f"within 50 ms {np.mean(size < 50):.1%}, bias (median) {np.median(errors):.1f}")
@@ -85,8 +86,8 @@ def accuracy(corpus, truth) -> None:
         print(f"  {word}: ours {medians[0]:.0f}, GRID {medians[1]:.0f} (n={chosen.sum()})")
 
 
-def wrong(corpus, truth, every: int) -> dict:
-    """Kind of wrong pair -> (samples, transcript) of it, one at a time."""
+def wrong_pairs(corpus, truth, every: int) -> dict:
+    """Kind -> (samples, transcript) that do not belong together, one at a time."""
     random = np.random.default_rng(0)
     texts = {one.id: one.transcript.split() for one in corpus}
 
@@ -124,13 +125,13 @@ def wrong(corpus, truth, every: int) -> dict:
         "hum": lambda one: (hum(one), one.transcript),
         "only room sound": lambda one: (sound(one)[: round((truth[one.id][0][1] - 0.05) * RATE)], one.transcript),
     }
-    return {kind: (pair(one) for one in corpus[::every]) for kind, pair in pairs.items()}
+    return {kind: map(pair, corpus[::every]) for kind, pair in pairs.items()}
 
 
 def refusals(corpus, truth, every: int) -> None:
     print("refused:")
     aligner = Aligner()
-    for kind, pairs in wrong(corpus, truth, every).items():
+    for kind, pairs in wrong_pairs(corpus, truth, every).items():
         reasons = Counter()
         for samples, transcript in pairs:
             samples = np.clip(np.round(samples), -32768, 32767).astype(np.int16)
@@ -150,8 +151,10 @@ def main() -> None:
         sys.exit("GRID is not here: set GRID_ROOT to the folder that holds s1/ and alignments/.")
     every, sparse = (int(value) for value in (sys.argv[1:] + ["1", "4"][len(sys.argv) - 1 :])[:2])
     corpus, truth = utterances({"name": "grid", "root": str(root)}), true_words(root)
-    accuracy(corpus[::every], truth)
-    refusals(corpus, truth, sparse)
+    if every:
+        accuracy(corpus[::every], truth)
+    if sparse:
+        refusals(corpus, truth, sparse)
 
 
 if __name__ == "__main__":
