@@ -3,7 +3,7 @@
 ``python -m benchmarks.alignment_grid [every] [every for the refusals]`` (take each so-many-th recording, 0 for none;
 default 1 and 4). GRID's own times come from an aligner too, in steps of 10 ms. The first word's onset is weak in both:
 GRID often begins it at a click of the lips or a breath, 0.1 to 0.4 s before the first sound of the word. It is
-therefore also measured against the loudness, an independent witness: the first time that most of 50 ms is loud.
+therefore also measured against the loudness, an independent witness: the first time that most of 90 ms is loud.
 
 Refusals: a transcript with every word wrong (a recording whose six words all differ), one word wrong, words added at
 the end, words left out, a sentence out of another world, half of the recording, noise, tones, a hum.

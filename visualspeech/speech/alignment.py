@@ -24,7 +24,9 @@ TIERS = ("word", "phone", "state")
 COLUMNS = ("id", "tier", "index", "parent", "label", "start", "end")
 NO_SPEECH = "there is no speech in the sound"
 TOO_SHORT = "the words of the transcript do not fit into the sound"
+CHECK = "Check the microphone and the sound track of the recording."
 LISTEN = "Listen to it: correct the transcript to what is said, or leave the utterance out."
+LONGEST = 120.0  # seconds; the memory of the search grows with the square of the length (0.5 GB here)
 HEARD = 0.1  # least share of the sound's frames that sound like some phone
 _SHORTEST = 0.002  # seconds of a state that is cut off by the beginning or end of the sound
 _OUTSIDE = 0.05  # seconds that the first and last phone may lie outside of it
@@ -140,8 +142,13 @@ def align(
     samples = np.ascontiguousarray(samples)
     if samples.dtype != np.int16 or samples.ndim != 1:
         raise DataError(f"speech must be int16 of shape (n,), not {samples.dtype} of shape {samples.shape}")
+    if len(samples) > LONGEST * RATE:
+        raise RejectedUtterance(
+            f"{len(samples) / RATE:.0f} s are too long for one utterance (limit {LONGEST:.0f} s)",
+            "Cut it into sentences: files of their own, or rows of a table with start and end.",
+        )
     if not np.any(samples):
-        raise RejectedUtterance(NO_SPEECH, "Check the microphone and the sound track of the recording.")
+        raise RejectedUtterance(NO_SPEECH, CHECK)
     words, pronunciations, guessed = _pronounced(transcript, lexicon)
     start, end = speech_part(samples, settings.speech_level, settings.margin)
     # The second way sees all of the sound, in case the judgement by loudness cut something off.
@@ -160,14 +167,14 @@ def align(
 
 def _objection(phones, sound, words, settings) -> RejectedUtterance | None:
     """What speaks against taking these phones for the sound's."""
-    if phones is None:
-        return RejectedUtterance(TOO_SHORT, LISTEN)
     free = recognise_phones(sound)
     heard = sum(phone.frames for phone in free if phone.word != -1)
+    if heard < HEARD * len(sound) / STEP:
+        return RejectedUtterance(NO_SPEECH, CHECK)
+    if phones is None:
+        return RejectedUtterance(TOO_SHORT, LISTEN)
     spoken = [phone for phone in phones if phone.word != -1]
     shortest = np.mean([phone.frames <= STATES for phone in spoken])
-    if heard < HEARD * len(sound) / STEP:
-        return RejectedUtterance(NO_SPEECH, "Check the microphone and the sound track of the recording.")
     overall, each = mismatch(phones, free)
     worst = int(np.argmax(each))
     if overall > settings.mismatch or shortest > settings.hasty:

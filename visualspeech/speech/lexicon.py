@@ -59,16 +59,18 @@ class Lexicon:
     def guess(self, words: Iterable[str]) -> dict[str, tuple[Pronunciation, ...]]:
         """Pronunciations of words that are not listed: of the stem for a possessive, else by letter-to-sound.
 
-        A word for which nothing is found (no letter that can be spoken) has none.
+        A word for which nothing is found has none, nor has one in letters other than Latin.
         """
         words = list(dict.fromkeys(words))
         stems = {word: word[:-2] for word in words if word.endswith("'s") and word[:-2] in self}
-        rest = [word for word in words if word not in stems]
+        rest = [word for word in words if word not in stems and re.search("[a-z]", word)]
         heard = self._letters_to_sounds(rest) if rest else {}
         guessed = {
             word: tuple((*one, *_possessive(one[-1])) for one in self.pronunciations(stems[word])) for word in stems
         }
-        for word in rest:
+        for word in words:
+            if word in stems:
+                continue
             phones = tuple(phone for phone in heard.get(word, ()) if phone in PHONES and phone != SILENCE)
             guessed[word] = (phones,) if phones else ()
         return guessed

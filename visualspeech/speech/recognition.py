@@ -18,6 +18,7 @@ WINDOW = 410  # samples of a frame
 # Frame i covers the samples from i * STEP on, its middle is WINDOW / 2 later, and the border between two frames lies
 # midway between their middles: so the border that the decoder calls frame i is at i * STEP + DELAY samples.
 DELAY = (WINDOW - STEP) / 2
+BEAM = 1e-300  # ratio to the best path below which another is given up
 
 
 @dataclass(frozen=True)
@@ -52,7 +53,7 @@ def speech_part(samples: np.ndarray, level: float, margin: float) -> tuple[int, 
     ----------
     samples : (n,) int16 at 16 kHz
     level : share of the way from the quiet (10th percentile) to the loud (95th) frames, in decibels between 200 and
-        6800 Hz, from which on a frame is taken for speech where most of the 50 ms around it are
+        6800 Hz, from which on a frame is taken for speech where most of the 90 ms around it are
     margin : seconds that are kept before and after
     """
     from scipy.ndimage import median_filter
@@ -66,7 +67,7 @@ def speech_part(samples: np.ndarray, level: float, margin: float) -> tuple[int, 
         power = np.abs(np.fft.rfft(frames[first : first + 1000] * np.hanning(WINDOW), 512)) ** 2
         band = slice(round(200 / RATE * 512), round(6800 / RATE * 512))
         decibels[first : first + 1000] = 10 * np.log10(power[:, band].sum(axis=1) + 100)
-    decibels = median_filter(decibels, 5)
+    decibels = median_filter(decibels, 9)
     quiet, loud = np.percentile(decibels, [10, 95])
     speech = np.flatnonzero(decibels >= quiet + level * (loud - quiet))
     kept = round(margin * RATE)
@@ -99,8 +100,8 @@ def recognise_words(
     -------
     phones with times from the first sample, or None where the words cannot be fitted into the sound
     """
-    # The beams are open: a pruned search loses whole sentences of clear speech, and one sentence is a small search.
-    decoder = _decoder(beam=0.0, pbeam=0.0, wbeam=0.0, silprob=pause)
+    # Nearly open beams: with the usual ones the search loses whole sentences of clear speech.
+    decoder = _decoder(beam=BEAM, pbeam=BEAM, wbeam=BEAM, silprob=pause)
     names = {word: f"w{i}" for i, word in enumerate(pronunciations)}
     entries = [
         (names[word] if k == 0 else f"{names[word]}({k + 1})", " ".join(phones).upper())

@@ -45,7 +45,9 @@ _CHARACTERS = str.maketrans(
     }
 )
 _NUMBER = r"\d{1,3}(?:,\d{3})+(?:\.\d+)?|\d+(?:\.\d+)?"
-_RANGE = re.compile(r"(?<=\d)\s?[–—]\s?(?=\d)|(?<=\d)-(?=\d+\b(?!-))(?<!-\d-)")
+# Two numbers with a dash between them; more than two are a code.
+_RANGE = re.compile(r"(?<=\d)\s?[–—]\s?(?=\d)|(?<![\d-])(\d+)-(?=\d+(?![\d-]))")
+_TELEPHONE = re.compile(r"(?<![\d-])(?:\d{3}[- ])?\d{3}-\d{4}(?![\d-])")
 
 
 def normalise(text: str, known: Callable[[str], bool]) -> list[str]:
@@ -61,7 +63,8 @@ def normalise(text: str, known: Callable[[str], bool]) -> list[str]:
     words in lower case; empty where nothing is to be said
     """
     text = re.sub(r"\[[^\]]*\]|<[^>]*>", " ", unicodedata.normalize("NFC", text))
-    text = _RANGE.sub(" to ", re.sub(r"([½¼¾⅓⅔⅛])", r" \1", text))
+    text = _TELEPHONE.sub(lambda m: " ".join(re.sub(r"\D", "", m[0])), re.sub(r"([½¼¾⅓⅔⅛])", r" \1", text))
+    text = _RANGE.sub(lambda m: f"{m[1] or ''} to ", text)
     text = unicodedata.normalize("NFKC", text).translate(_CHARACTERS)
     text = _with_numbers(_without_abbreviations(text))
     lower = bool(re.search(r"[a-z]", text))
@@ -85,6 +88,8 @@ def _words_of(token: str, known: Callable[[str], bool], lower: bool) -> list[str
     word = word.strip("'-") if not known(word.strip("-")) else word.strip("-")
     if known(word) or not word:
         return [word] if word else []
+    if re.fullmatch(r"[bcdfghjklmnpqrstvwxz]{2,5}", word):  # no vowel: it can only be spelt ("mp" of "mp3")
+        return list(word)
     if "-" in word:
         return [part for piece in re.split("-+", word) for part in _words_of(piece, known, False)]
     if word.count("'") > 1:
@@ -100,7 +105,8 @@ def _without_abbreviations(text: str) -> str:
     known = "|".join(sorted((re.escape(name) for name in ABBREVIATIONS), key=len, reverse=True))
     text = re.sub(rf"(?<![\w.])(?:{known})(?!\w)", lambda m: ABBREVIATIONS[m[0].lower()], text, flags=re.IGNORECASE)
     text = re.sub(r"\b(?:[^\W\d_]\.){2,}", lambda m: " ".join(m[0].replace(".", " ").split()) + " ", text)
-    return re.sub(r"(?<=[^\W\d_])\.(?=[^\W\d_])", " dot ", text)
+    # An address; where a capital follows, the space after a sentence is missing.
+    return re.sub(r"(?<=[a-z])\.(?=[a-z])", " dot ", text)
 
 
 def _with_numbers(text: str) -> str:
@@ -118,6 +124,7 @@ def _with_numbers(text: str) -> str:
         (rf"({_NUMBER})\s?({units})\b\.?", lambda m: _measure(m[1], UNITS[m[2].lower()])),
         (r"(?<![\w.,])(1[1-9]\d\d|20\d\d)(?![\w,]|\.\d)", lambda m: _year(int(m[1]))),
         (r"(?<![\w.])-(?=\d)", lambda m: "minus"),
+        (r"(?<![\w.])\.(\d+)", lambda m: f"point {' '.join(map(_spelt, m[1]))}"),
         (_NUMBER, lambda m: _cardinal(m[0])),
         (r"[" + re.escape("".join(SYMBOLS)) + "]", lambda m: SYMBOLS[m[0]]),
     ):
