@@ -69,7 +69,8 @@ def accuracy(corpus, truth) -> None:
     size = np.abs(errors)
     print(f"aligned: {len(errors)} of {len(corpus)} ({len(errors) / len(corpus):.1%}), ", end="")
     print(f"{seconds / used:.0f} s of sound a second")
-    print(*rejected, sep="\n")
+    for line in rejected:
+        print(f"  {line}")
     print(f"word boundaries against GRID, ms: median {np.median(size):.1f}, mean {size.mean():.1f}, ", end="")
     print(f"within 50 ms {np.mean(size < 50):.1%}, bias (median) {np.median(errors):.1f}")
     for name, part in (("starts", errors[..., 0]), ("ends", errors[..., 1])):
