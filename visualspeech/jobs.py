@@ -14,7 +14,14 @@ from visualspeech.errors import VisualSpeechError
 log = logging.getLogger("visualspeech")
 
 
-THREAD_VARIABLES = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMEXPR_NUM_THREADS")
+#: OpenCV has threads of its own, which cost more than they bring on pictures of faces.
+THREAD_VARIABLES = (
+    "OMP_NUM_THREADS",
+    "OPENBLAS_NUM_THREADS",
+    "MKL_NUM_THREADS",
+    "NUMEXPR_NUM_THREADS",
+    "OPENCV_FOR_THREADS_NUM",
+)
 
 
 def settle_environment(root: str | Path) -> None:

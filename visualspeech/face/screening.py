@@ -8,6 +8,7 @@ figures are printed by ``benchmarks/landmarks_grid.py``.
 
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
+from itertools import islice
 
 import numpy as np
 
@@ -102,13 +103,20 @@ def track_screened(
     settings = settings or ScreeningSettings()
     watch = FrameWatch()
     try:
-        landmarks = track(watch.through(frames), landmark_settings, rate)
+        landmarks = track(watch.through(_in_runs(frames)), landmark_settings, rate)
     except RejectedUtterance:
         check_pictures(watch.measures(), rate, settings)
         raise
     check_pictures(watch.measures(), rate, settings)
     check_points(landmarks.points, settings)
     return landmarks
+
+
+def _in_runs(frames: Iterable[np.ndarray], size: int = 25) -> Iterator[np.ndarray]:
+    """The frames, read some at a time: decoder and tracker in turn would each time empty the other's caches."""
+    frames = iter(frames)
+    while run := list(islice(frames, size)):
+        yield from run
 
 
 def check_pictures(measures: PictureMeasures, rate: float, settings: ScreeningSettings | None = None) -> None:
