@@ -8,11 +8,13 @@ import difflib
 import os
 from collections.abc import Mapping
 from copy import deepcopy
+from dataclasses import replace
 from pathlib import Path
 
 import yaml
 
 from visualspeech.errors import SettingError
+from visualspeech.naming import NetworkName, parse_name
 
 
 def read_yaml(path: Path) -> dict:
@@ -46,7 +48,9 @@ def merged(base: Mapping, over: Mapping) -> dict:
             result = {key: value for key, value in result.items() if key not in other}
     for key, value in over.items():
         below = result.get(key)
-        result[key] = merged(below, value) if isinstance(below, dict) and isinstance(value, Mapping) else deepcopy(value)
+        result[key] = (
+            merged(below, value) if isinstance(below, dict) and isinstance(value, Mapping) else deepcopy(value)
+        )
     return result
 
 
@@ -102,8 +106,10 @@ def _sentence(problem) -> str:
         known = sorted(problem.schema.get("properties", {}))
         extra = [key for key in problem.instance if key not in known]
         names = ", ".join(f"`{where + '.' if where else ''}{key}`" for key in extra)
-        return f"unknown setting {names}." + "".join(_did_you_mean(key, known) for key in extra) + (
-            f" Known here: {', '.join(known)}."
+        return (
+            f"unknown setting {names}."
+            + "".join(_did_you_mean(key, known) for key in extra)
+            + (f" Known here: {', '.join(known)}.")
         )
     if problem.validator == "required":
         missing = [key for key in problem.validator_value if key not in problem.instance]
@@ -127,12 +133,32 @@ def _check_together(settings: dict) -> None:
     shares = settings["split"]
     if abs(sum(shares.values()) - 1) > 1e-6:
         raise SettingError(f"`split`: the shares must sum to 1, they sum to {sum(shares.values()):g}.")
+    networks = settings["networks"]
+    if networks.get("b_nodes") == "layer" and any("B" in stack for stack in networks["stacks"]):
+        for nodes in networks["nodes"]:
+            if nodes % 2:
+                raise SettingError(
+                    f"`networks.nodes: {nodes}` is odd; with `networks.b_nodes: layer` the two directions of a B layer "
+                    "share its nodes. Give an even number."
+                )
+    if networks.get("richer") and not settings["features"].get("label_parts"):
+        raise SettingError(
+            "`networks.richer` trains networks on richer labels, but `features.label_parts` is empty. Say there which "
+            "parts they have, for example [position_in_syllable, position_in_word, stress]."
+        )
     shown = settings["videos"]["model"]
     if shown not in model_names(settings):
         raise SettingError(f"`videos.model: {shown}` is not trained. Trained here: {', '.join(model_names(settings))}.")
 
 
+def network_seeds(settings: Mapping) -> list[int]:
+    """Seeds that every network is trained with; the first one goes without saying in its name."""
+    return settings["networks"].get("seeds") or [settings["seed"]]
+
+
 def model_names(settings: Mapping) -> list[str]:
-    """Names of the networks of a run, one a stack and width: ``FBB-128``."""
-    networks = settings["networks"]
-    return [f"{stack}-{nodes}" for stack in networks["stacks"] for nodes in networks["nodes"]]
+    """Names of the networks of a run: one a stack and width (``FBB-128``), those of richer labels, further seeds."""
+    networks, (_, *further) = settings["networks"], network_seeds(settings)
+    cells = [NetworkName(stack, nodes) for stack in networks["stacks"] for nodes in networks["nodes"]]
+    cells += [replace(parse_name(name), rich=True) for name in networks.get("richer", [])]
+    return [str(replace(cell, seed=seed)) for seed in [None, *further] for cell in cells]

@@ -125,3 +125,25 @@ def test_a_corpus_file_anywhere_names_its_root_from_its_own_folder(tmp_path):
 def test_a_corpus_may_be_given_in_place():
     corpus = {"name": "mine", "adapter": "folder", "root": "/somewhere"}
     assert resolve(merged(default(), {"corpus": corpus}), CONFIG)["corpus"] == corpus
+
+
+def with_networks(**changes):
+    return resolve(merged(default(), {"networks": changes}), CONFIG)
+
+
+def test_further_seeds_and_richer_labels_have_names_of_their_own():
+    settings = with_networks(stacks=["FBB", "F"], nodes=[128], seeds=[1, 5])
+    assert model_names(settings) == ["FBB-128", "F-128", "FBB-128-s5", "F-128-s5"]
+    richer = merged(
+        settings, {"networks": {"seeds": [3], "richer": ["FBB-128"]}, "features": {"label_parts": ["stress"]}}
+    )
+    assert model_names(richer) == ["FBB-128", "F-128", "FBB-128-rich"]
+
+
+def test_networks_that_cannot_be_are_named_before_any_job():
+    with pytest.raises(SettingError, match="`features.label_parts` is empty"):
+        with_networks(richer=["FBB-128"])
+    with pytest.raises(SettingError, match="`networks.nodes: 129` is odd"):
+        with_networks(nodes=[128, 129], b_nodes="layer")
+    with pytest.raises(SettingError, match="networks.b_nodes: both` must be one of direction, layer"):
+        with_networks(b_nodes="both")

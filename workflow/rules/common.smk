@@ -5,6 +5,7 @@ from visualspeech import settings
 from visualspeech.corpora.plan import hold, plan_corpus
 from visualspeech.errors import VisualSpeechError
 from visualspeech.models.names import BASELINES
+from visualspeech.naming import parse_name
 from visualspeech.provenance import code_digest
 
 try:
@@ -19,6 +20,12 @@ CORPUS = f"results/{PLAN.name}"
 RUN = f"{CORPUS}/{SETTINGS['experiment']}"
 MODELS = settings.model_names(SETTINGS)
 SEED = SETTINGS["seed"]
+
+
+def network_seed(model):
+    """Seed of a network's training, as its name says; without a word there, the first of the run."""
+    named = parse_name(model).seed
+    return settings.network_seeds(SETTINGS)[0] if named is None else named
 
 
 def shards(pattern):

@@ -15,7 +15,8 @@ rule train_network:
         # Not an output: it must outlive a killed job, whose outputs are removed before it runs again.
         checkpoint=f"{RUN}/models/{{model}}/checkpoint.safetensors",
         settings=SETTINGS["training"],
-        seed=SEED,
+        b_nodes=SETTINGS["networks"].get("b_nodes", "direction"),
+        seed=lambda wildcards: network_seed(wildcards.model),
         code=code("train_network.py"),
     wildcard_constraints:
         model="|".join(MODELS),

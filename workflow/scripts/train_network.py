@@ -17,7 +17,7 @@ with job(snakemake.log[0]), ArrayCollection(snakemake.input.features) as feature
         Examples(features, [one.id for one in of_split(utterances, split)]) for split in ("train", "validation")
     )
     result = train(
-        parse_stack(snakemake.wildcards.model),
+        parse_stack(snakemake.wildcards.model, snakemake.params.b_nodes),
         read_phones(snakemake.input.phones),
         training,
         validation,
