@@ -24,6 +24,7 @@ include: "workflow/rules/features.smk"
 include: "workflow/rules/models.smk"
 include: "workflow/rules/tables.smk"
 include: "workflow/rules/videos.smk"
+include: "workflow/rules/speak.smk"
 include: "workflow/rules/report.smk"
 
 
@@ -42,6 +43,8 @@ localrules:
     models,
     tables,
     videos,
+    speaker,
+    speak,
     report,
 
 
@@ -95,6 +98,16 @@ rule tables:
 rule videos:
     input:
         f"{RUN}/videos",
+
+
+rule speaker:
+    input:
+        f"{RUN}/speakers/{SPEAK['model']}",
+
+
+rule speak:
+    input:
+        spoken_videos,
 
 
 rule report:
