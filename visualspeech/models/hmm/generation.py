@@ -14,7 +14,7 @@ from itertools import product
 
 import numpy as np
 
-from visualspeech.models.hmm.windows import WINDOWS, neighbours, stacked, unstacked, window_matrix
+from visualspeech.models.hmm.windows import WINDOWS, neighbours, observations, stacked, unstacked, window_matrix
 
 
 @dataclass(frozen=True)
@@ -33,9 +33,13 @@ class Trajectory:
     factor: np.ndarray
 
     def back(self, error: np.ndarray) -> np.ndarray:
-        """W R^-1 error, (T, 3N): how the error of each frame (T, N) rests on the observations, before their precision."""
+        """W R^-1 error, (T, 3N), of the error of each frame (T, N); times the precisions it is the slope by the means."""
         solved = _solve(self.factor, np.asarray(error, np.float64))
         return unstacked(window_matrix(len(error), self.step) @ solved)
+
+    def observations(self) -> np.ndarray:
+        """The stream's own static, delta and delta-delta values, (T, 3N)."""
+        return observations(self.values, self.step)
 
 
 def generate(means: np.ndarray, precisions: np.ndarray, step: int) -> Trajectory:

@@ -32,7 +32,8 @@ def test_generation_against_dense_least_squares(frames, step):
     matrix = window_matrix(frames, step).toarray()
     mean, root = stacked(means), np.sqrt(stacked(precisions))
     expected = [
-        np.linalg.lstsq(root[:, n : n + 1] * matrix, root[:, n] * mean[:, n], rcond=None)[0] for n in range(mean.shape[1])
+        np.linalg.lstsq(root[:, n : n + 1] * matrix, root[:, n] * mean[:, n], rcond=None)[0]
+        for n in range(mean.shape[1])
     ]
     assert np.allclose(generate(means, precisions, step).values, np.array(expected).T, atol=1e-9)
 
