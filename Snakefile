@@ -23,6 +23,7 @@ include: "workflow/rules/aam.smk"
 include: "workflow/rules/features.smk"
 include: "workflow/rules/models.smk"
 include: "workflow/rules/tables.smk"
+include: "workflow/rules/comparisons.smk"
 include: "workflow/rules/videos.smk"
 include: "workflow/rules/speak.smk"
 include: "workflow/rules/report.smk"
@@ -53,7 +54,7 @@ rule all:
     input:
         f"{CORPUS}/check/findings.tsv",
         f"{CORPUS}/alignment/textgrid",
-        f"{RUN}/tables/objective.tsv",
+        expand(f"{RUN}/tables/{{table}}.tsv", table=TABLES),
         f"{RUN}/videos",
         f"{CORPUS}/report.html",
 
@@ -92,7 +93,7 @@ rule models:
 
 rule tables:
     input:
-        f"{RUN}/tables/objective.tsv",
+        expand(f"{RUN}/tables/{{table}}.tsv", table=TABLES),
 
 
 rule videos:

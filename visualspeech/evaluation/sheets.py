@@ -10,6 +10,8 @@ from dataclasses import dataclass
 
 from visualspeech.evaluation.escaping import markdown, tex
 from visualspeech.evaluation.table_formats import PAGE_STYLE
+from visualspeech.evaluation.tables import TableFacts
+from visualspeech.storage import table_text
 
 
 @dataclass(frozen=True)
@@ -52,6 +54,24 @@ class Sheet:
     facts: tuple[tuple[str, str], ...] = ()
     notes: tuple[str, ...] = ()
     corner: str = ""
+
+
+def run_facts(facts: TableFacts, table) -> tuple[tuple[str, str], ...]:
+    """What the figures of a run were computed on, as facts of its sheets; ``table`` is of any of its rows."""
+    return (
+        ("corpus", facts.corpus),
+        ("experiment", facts.experiment),
+        ("split", facts.split_hash),
+        ("drift removal", facts.drift),
+        ("test utterances", str(len(table))),
+        ("test frames", str(int(table["frames"].sum()))),
+    )
+
+
+def all_forms(frame, sheets: Sequence[Sheet], title: str) -> tuple[str, str, str, str]:
+    """TSV of the data frame under the facts of its first sheet (lines that begin with ``#``); Markdown, LaTeX, HTML."""
+    facts = "".join(f"# {name}: {' '.join(text.split())}\n" for name, text in (sheets[0].facts if sheets else ()))
+    return facts + table_text(frame), to_markdown(sheets), to_latex(sheets), to_html_page(sheets, title)
 
 
 def to_markdown(sheets: Sequence[Sheet]) -> str:

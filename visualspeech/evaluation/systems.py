@@ -146,7 +146,7 @@ def system_sheets(
             if found[system, PAPER_METRICS[0]].gain == found[system, PAPER_METRICS[0]].gain
         ]
         note = (
-            "Share by which the network's errors are lower, difference of CORR, each with its paired bootstrap interval. "
+            "Share by which the network's errors are lower, difference of CORR, with paired bootstrap intervals. "
             f"Bold: a paired test over utterances, Holm-corrected, has a p value below {settings.level:g}."
         )
         notes = (note,) if source == "ours" else ("The paper gives no intervals.",)

@@ -19,6 +19,9 @@ except VisualSpeechError as error:
 CORPUS = f"results/{PLAN.name}"
 RUN = f"{CORPUS}/{SETTINGS['experiment']}"
 MODELS = settings.model_names(SETTINGS)
+HMM_ROWS = []  # names of the hidden Markov models that the run trains, hmm_...; the last one is the most refined
+PREDICTORS = [*MODELS, *HMM_ROWS, *(row for row in BASELINES if row != "aam_reconstruction")]
+TABLES = ["objective", "topologies", "comparisons", *(["systems"] if HMM_ROWS else [])]
 SEED = SETTINGS["seed"]
 
 
