@@ -33,7 +33,7 @@ class Trajectory:
     factor: np.ndarray
 
     def back(self, error: np.ndarray) -> np.ndarray:
-        """W R^-1 error, (T, 3N), of the error of each frame (T, N); times the precisions it is the slope by the means."""
+        """W R^-1 error, (T, 3N), of the error of each frame (T, N); times the precisions, the slope by the means."""
         solved = _solve(self.factor, np.asarray(error, np.float64))
         return unstacked(window_matrix(len(error), self.step) @ solved)
 

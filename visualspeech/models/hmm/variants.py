@@ -1,0 +1,46 @@
+"""The HMMs that are rows of the result tables, each made from the one before it."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+
+from visualspeech.errors import SettingError
+from visualspeech.models.hmm.mge import refine
+from visualspeech.models.hmm.model import Hmm, HmmSettings
+from visualspeech.models.hmm.training import fit_monophones, fit_tied
+from visualspeech.models.names import HMMS
+
+
+def train_variant(
+    name: str,
+    start: Hmm | None,
+    training: Sequence[tuple],
+    validation: Sequence[tuple],
+    phones: Sequence[str],
+    settings: HmmSettings,
+    aam: str = "",
+) -> Hmm:
+    """One of :data:`visualspeech.models.names.HMMS`.
+
+    Parameters
+    ----------
+    start : the variant before it; None for ``hmm_monophone``
+    training, validation : utterances as (phone track, appearance (T, N), its rate in Hz)
+    phones : the inventory
+    settings : of all variants
+    aam : digest of the appearance model
+
+    Raises
+    ------
+    SettingError
+        The name is unknown.
+    """
+    if name not in HMMS:
+        raise SettingError(f"`hmm.variants`: {name!r} is unknown. Known: {', '.join(HMMS)}.")
+    if start is None:
+        return fit_monophones(training, phones, settings, aam)
+    start = replace(start, settings=settings)
+    steps: dict[str, Callable[[], Hmm]] = {
+        "hmm_tied": lambda: fit_tied(start, training),
+        "hmm_mge": lambda: refine(start, training, validation),
+    }
+    return steps[name]()
