@@ -1,7 +1,7 @@
 """The piecewise-affine warp of a fitting model: its mesh and pixels, gradients in it, composition of warps.
 
-Everything here is linear and fixed, so that a batch of frames is warped by matrix products. In the grid of a model lies a
-base mesh of N points with U pixels inside. A warp is where the N points are in a picture; a pixel is where its
+Everything here is linear and fixed, so that a batch of frames is warped by matrix products. In the grid of a model lies
+a base mesh of N points with U pixels inside. A warp is where the N points are in a picture; a pixel is where its
 barycentric coordinates put it.
 """
 

@@ -1,16 +1,16 @@
 """What fitting needs of an active appearance model, computed once: templates, Jacobians and Hessians of every scale.
 
 Notation: N points, U grid pixels of a scale, K texture modes, n shape modes; i runs over the 4 + n changes of a warp
-(larger, turned, moved along x and y, then the shape modes), k over the texture modes with the mean as k = 0. Textures are
-grey: of three channels the luminance is fitted, which costs a third, and shapes are what fitting is for.
+(larger, turned, moved along x and y, then the shape modes), k over the texture modes with the mean as k = 0. Textures
+are grey: of three channels the luminance is fitted, which costs a third, and shapes are what fitting is for.
 
 The Jacobian of a face with texture parameters c is linear in c (c_0 = 1 stands for the mean)::
 
     J(c)_i = sum_k c_k J_ki,    J_ki = grad t_k . dW/dp_i
 
-Once all J_ki are projected onto what no texture mode explains, both sides of the normal equations of a frame are polynomials
-in c with fixed coefficients: the right side is linear, the Hessian quadratic. So the variants whose Jacobian follows the
-texture (simultaneous, alternating) make no Jacobian for a frame; they cost one matrix product for a batch.
+Once all J_ki are projected onto what no texture mode explains, both sides of the normal equations of a frame are
+polynomials in c with fixed coefficients: the right side is linear, the Hessian quadratic. So the variants whose Jacobian
+follows the texture (simultaneous, alternating) make no Jacobian for a frame; they cost one matrix product for a batch.
 """
 
 from dataclasses import dataclass
@@ -22,6 +22,7 @@ from visualspeech.face.aam.fitting.mesh import Mesh
 from visualspeech.face.aam.fitting.shapes import ShapeSpace
 
 VARIANTS = ("alternating", "simultaneous", "project_out")
+STARTS = ("landmarks", "last_frame")
 LUMA = np.array([0.299, 0.587, 0.114], np.float32)
 """Weights of red, green and blue in grey (ITU-R BT.601), those of OpenCV's conversion."""
 
@@ -35,6 +36,8 @@ class FittingSettings:
     variant : ``alternating`` (texture solved for at every step, Wiberg's algorithm), ``simultaneous`` (texture and warp
         changed together) or ``project_out`` (texture ignored by projection, Jacobian of the mean face: fastest, and
         least exact where faces differ from the mean)
+    start : ``landmarks``: each frame starts from the tracker's points; ``last_frame``: from the fit of the frame before
+        (slower: nothing can be done for all frames at once), from the tracker's where that diverges
     scales : coarse to fine, how many grid pixels each way are one pixel
     iterations : most steps at a scale
     tolerance : pixels of the grid; a frame is done with a scale when no point moves farther in a step
@@ -50,6 +53,7 @@ class FittingSettings:
     """
 
     variant: str = "alternating"
+    start: str = "landmarks"
     scales: tuple[int, ...] = (2, 1)
     iterations: int = 15
     tolerance: float = 0.03
@@ -66,6 +70,8 @@ class FittingSettings:
         object.__setattr__(self, "scales", tuple(self.scales))
         if self.variant not in VARIANTS:
             raise SettingError(f"fitting variant {self.variant!r} is unknown; give one of {', '.join(VARIANTS)}.")
+        if self.start not in STARTS:
+            raise SettingError(f"fitting start {self.start!r} is unknown; give one of {', '.join(STARTS)}.")
         whole = all(isinstance(scale, int) and 1 <= scale <= 16 for scale in self.scales)
         if not (self.scales and whole and list(self.scales) == sorted(set(self.scales), reverse=True)):
             raise SettingError(

@@ -1,7 +1,7 @@
 """Shapes under a global similarity: s = R (s_0 + P p) + t, and their smallest changes.
 
-With P orthogonal to the four shapes that a similarity makes of s_0 (larger, turned, moved along x and y), similarity and
-shape separate: both have a closed form for any given points (Matthews and Baker 2004, section 4.3).
+With P orthogonal to the four shapes that a similarity makes of s_0 (larger, turned, moved along x and y), similarity
+and shape separate: both have a closed form for any given points (Matthews and Baker 2004, section 4.3).
 """
 
 from dataclasses import dataclass

@@ -1,13 +1,13 @@
 """Inverse-compositional fitting of many frames at once (Matthews and Baker 2004; Papandreou and Maragos 2008).
 
-In each step the pictures are read at the warped pixels, what texture modes explain is set aside, and the small warp that
-makes the *model* most like what was read is computed; its inverse is put before the warp of the picture. The Jacobian
-belongs to the model and not to the picture, so it does not change. All frames of a batch go together; those that have
-settled leave it.
+In each step the pictures are read at the warped pixels, what texture modes explain is set aside, and the small warp
+that makes the *model* most like what was read is computed; its inverse is put before the warp of the picture. The
+Jacobian belongs to the model and not to the picture, so it does not change. All frames of a batch go together; those
+that have settled leave it.
 """
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, fields
 from typing import Protocol
 
 import numpy as np
@@ -78,13 +78,8 @@ def fit(
     if start.shape != expected or not np.isfinite(start).all():
         raise DataError(f"{len(frames)} frames are fitted from finite points {expected}, not {start.shape}")
     size = model.settings.batch
-    parts = []
-    for first in range(0, len(frames), size):
-        batch = np.arange(first, min(first + size, len(frames)))
-        parts.append(_fit_batch([frames[t] for t in batch], start[batch], batch, model, view, offset))
-    if not parts:
-        raise DataError("no frames to fit")
-    return Fit(*(np.concatenate(values) for values in zip(*parts, strict=True)))
+    batches = [np.arange(first, min(first + size, len(frames))) for first in range(0, len(frames), size)]
+    return joined(_fit_batch([frames[t] for t in one], start[one], one, model, view, offset) for one in batches)
 
 
 def follow(
@@ -93,6 +88,7 @@ def follow(
     model: FittingModel,
     view: View | None = None,
     offset: np.ndarray | None = None,
+    last: np.ndarray | None = None,
 ) -> Fit:
     """As :func:`fit`, but each frame starts from the fit of the frame before.
 
@@ -100,22 +96,36 @@ def follow(
     ----------
     start : (N, 2) points of the first frame; or (T, N, 2): then a frame whose fit diverged is fitted again from its own
         points, which are also what is kept when that diverges too
+    last : (N, 2) the fit of the frame before the first, where there is one
     """
-    tracked = start if start.ndim == 3 else None
-    parts, at = [], start[0] if tracked is not None else start
-    for number in range(len(frames)):
-        batch = np.array([number])
-        part = _fit_batch([frames[number]], at[None], batch, model, view, offset)
-        if tracked is not None and part[6][0]:
-            part = _fit_batch([frames[number]], tracked[number : number + 1], batch, model, view, offset)
+    own = start if start.ndim == 3 else None
+    at = last if last is not None else start if own is None else start[0]
+    parts = []
+    for number, frame in enumerate(frames):
+        one = np.array([number])
+        part = _fit_batch([frame], at[None], one, model, view, offset)
+        if own is not None and part.diverged[0]:
+            part = _fit_batch([frame], own[one], one, model, view, offset)
         parts.append(part)
-        at = part[0][0]
+        at = part.points[0]
+    return joined(parts)
+
+
+def joined(parts: Iterable[Fit]) -> Fit:
+    """Fits of stretches of frames as one.
+
+    Raises
+    ------
+    DataError
+        There are none.
+    """
+    parts = list(parts)
     if not parts:
         raise DataError("no frames to fit")
-    return Fit(*(np.concatenate(values) for values in zip(*parts, strict=True)))
+    return Fit(*(np.concatenate([getattr(part, field.name) for part in parts]) for field in fields(Fit)))
 
 
-def _fit_batch(frames, start, numbers, model: FittingModel, view, offset) -> tuple:
+def _fit_batch(frames, start, numbers, model: FittingModel, view, offset) -> Fit:
     settings, shapes = model.settings, model.shapes
     points = np.array(start, float)
     similarity, shape = shapes.parameters(points if view is None else view.to_model(points, numbers))
@@ -156,7 +166,7 @@ def _fit_batch(frames, start, numbers, model: FittingModel, view, offset) -> tup
     start_error = _explained(both[1], finest)[1]
     diverged = _diverged(points, start, error, start_error, model)
     kept = np.where(diverged[:, None, None], start, points)
-    return kept, similarity, shape, texture, error, start_error, diverged, steps
+    return Fit(kept, similarity, shape, texture, error, start_error, diverged, steps)
 
 
 def _step(left: np.ndarray, level: Level, model: FittingModel, shape: np.ndarray, texture: np.ndarray | None):
