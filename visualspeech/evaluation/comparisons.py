@@ -14,7 +14,7 @@ from visualspeech.errors import DataError, SettingError
 from visualspeech.evaluation.metrics import METRICS, Metric, metric_named, sums
 from visualspeech.evaluation.sheets import Cell, Sheet
 from visualspeech.evaluation.statistics import BootstrapSettings, Sampled, draws, figure, sample
-from visualspeech.evaluation.table_formats import column_title
+from visualspeech.evaluation.table_formats import column_title, row_title
 
 TESTS = ("wilcoxon", "permutation")
 COLUMNS = ("metric", "first", "second", "first_value", "second_value", "difference", "low", "high", "p", "p_holm",
@@ -190,15 +190,15 @@ def comparison_sheets(
         for row in (best, *to_best):
             wins = int((part["better"] == row).sum())
             losses = int(((part["second"] == row) & (part["better"] != "")).sum())
-            rows.append((row, (Cell(f"{values[row]:.{digits}f}", best=row == best), *_to_best(to_best.get(row), digits),
+            rows.append((row_title(row), (Cell(f"{values[row]:.{digits}f}", best=row == best), *_to_best(to_best.get(row), digits),
                                Cell(str(wins)), Cell(str(losses)))))  # fmt: skip
         sheets.append(
             Sheet(
                 title=f"{METRICS[name].title}: which differences are real",
                 columns=(column_title(METRICS[name]), "best less this", "p", "better than", "worse than"),
                 rows=tuple(rows),
-                facts=(*facts, ("test utterances", str(utterances))),
-                notes=_notes(len(part), utterances, settings),
+                facts=() if sheets else tuple(facts),
+                notes=() if sheets else _notes(len(part), utterances, settings),
             )
         )
     return tuple(sheets)
