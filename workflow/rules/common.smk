@@ -24,6 +24,9 @@ PREDICTORS = [*MODELS, *HMM_ROWS, *(row for row in BASELINES if row != "aam_reco
 TABLES = ["objective", "topologies", "comparisons", *(["systems"] if HMM_ROWS else [])]
 SEED = SETTINGS["seed"]
 
+# The faces that the appearance parameters code: at the tracker's points, or at those that the fitted AAM finds.
+FACES = f"{RUN}/aam/{'fitted' if SETTINGS.get('aam_source') == 'fit' else 'textures'}/{{shard}}.h5"
+
 
 def network_seed(model):
     """Seed of a network's training, as its name says; without a word there, the first of the run."""

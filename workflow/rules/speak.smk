@@ -37,7 +37,7 @@ rule bundle_speaker:
         alignment=shards(f"{CORPUS}/alignment/{{shard}}.tsv"),
         landmarks=shards(f"{CORPUS}/landmarks/{{shard}}.h5"),
         pose=shards(f"{RUN}/pose/{{shard}}.h5"),
-        textures=shards(f"{RUN}/aam/textures/{{shard}}.h5"),
+        textures=shards(FACES),
         parameters=shards(f"{RUN}/aam/parameters/{{shard}}.h5"),
     output:
         directory(f"{RUN}/speakers/{{model}}"),

@@ -9,8 +9,9 @@ The Jacobian of a face with texture parameters c is linear in c (c_0 = 1 stands 
     J(c)_i = sum_k c_k J_ki,    J_ki = grad t_k . dW/dp_i
 
 Once all J_ki are projected onto what no texture mode explains, both sides of the normal equations of a frame are
-polynomials in c with fixed coefficients: the right side is linear, the Hessian quadratic. So the variants whose Jacobian
-follows the texture (simultaneous, alternating) make no Jacobian for a frame; they cost one matrix product for a batch.
+polynomials in c with fixed coefficients: the right side is linear, the Hessian quadratic. So the variants whose
+Jacobian follows the texture (simultaneous, alternating) make no Jacobian for a frame; they cost one matrix product for
+a batch.
 """
 
 from dataclasses import dataclass
