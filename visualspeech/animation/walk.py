@@ -116,7 +116,7 @@ def walk(distances: np.ndarray, clip: np.ndarray, rate: float, settings: WalkSet
         end = last[at] if direction > 0 else first[at]
         ahead = np.arange(at + direction * max(least - since, mixed), end + direction, direction)
         leave, to, way = _choice(ahead, direction, same, turned, first, last, least + mixed, used, settings, generator)
-        used *= 0.8
+        used *= 0.7
         used[max(to - mixed, 0) : to + mixed + 1] += 1
         for frame in range(at, leave - direction * mixed, direction):
             yield Mix(frame, frame, 0.0)
@@ -132,7 +132,7 @@ def _choice(ahead, direction, same, turned, first, last, room, used, settings, g
     costs = []
     for way, cost in ((direction, same), (-direction, turned)):
         left = (last - place) if way > 0 else (place - first)
-        cost = cost[ahead] * (1 + 0.5 * used)
+        cost = cost[ahead] * (1 + 0.2 * used)
         costs.append(np.where(left >= room, cost, np.inf))
     table = np.stack(costs)
     chosen = np.argwhere(table <= settings.slack * table.min() + 1e-9)
