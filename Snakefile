@@ -23,6 +23,7 @@ include: "workflow/rules/aam.smk"
 include: "workflow/rules/fitting.smk"
 include: "workflow/rules/features.smk"
 include: "workflow/rules/models.smk"
+include: "workflow/rules/hmm.smk"
 include: "workflow/rules/tables.smk"
 include: "workflow/rules/comparisons.smk"
 include: "workflow/rules/videos.smk"
@@ -32,7 +33,7 @@ include: "workflow/rules/report.smk"
 
 wildcard_constraints:
     shard=r"\d+",
-    model="|".join(MODELS + BASELINES),
+    model="|".join(MODELS + HMMS + BASELINES),
 
 
 localrules:
@@ -89,7 +90,7 @@ rule features:
 
 rule models:
     input:
-        expand(f"{RUN}/models/{{model}}/predictions.h5", model=MODELS + BASELINES),
+        expand(f"{RUN}/models/{{model}}/predictions.h5", model=MODELS + HMM_ROWS + BASELINES),
 
 
 rule tables:

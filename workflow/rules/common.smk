@@ -4,7 +4,7 @@ from snakemake.exceptions import WorkflowError
 from visualspeech import settings
 from visualspeech.corpora.plan import hold, plan_corpus
 from visualspeech.errors import VisualSpeechError
-from visualspeech.models.names import BASELINES
+from visualspeech.models.names import BASELINES, HMMS
 from visualspeech.naming import parse_name
 from visualspeech.provenance import code_digest
 
@@ -19,7 +19,8 @@ except VisualSpeechError as error:
 CORPUS = f"results/{PLAN.name}"
 RUN = f"{CORPUS}/{SETTINGS['experiment']}"
 MODELS = settings.model_names(SETTINGS)
-HMM_ROWS = []  # names of the hidden Markov models that the run trains, hmm_...; the last one is the most refined
+# The hidden Markov models in the tables, each made from the one before; the last one is the most refined.
+HMM_ROWS = [name for name in HMMS if name in SETTINGS.get("hmm", {}).get("variants", [])]
 PREDICTORS = [*MODELS, *HMM_ROWS, *(row for row in BASELINES if row != "aam_reconstruction")]
 TABLES = ["objective", "topologies", "comparisons", *(["systems"] if HMM_ROWS else [])]
 SEED = SETTINGS["seed"]

@@ -7,9 +7,7 @@ rule train_hmm:
         features=shards(f"{RUN}/features/{{shard}}.h5"),
         # Each variant is made from the one before it.
         start=lambda wildcards: [
-            f"{RUN}/models/{before}/hmm.safetensors"
-            for before, name in zip(HMMS, HMMS[1:])
-            if name == wildcards.model
+            f"{RUN}/models/{before}/hmm.safetensors" for before, name in zip(HMMS, HMMS[1:]) if name == wildcards.model
         ],
     output:
         hmm=f"{RUN}/models/{{model}}/hmm.safetensors",
@@ -18,12 +16,12 @@ rule train_hmm:
         f"{RUN}/logs/train_hmm/{{model}}.log",
     benchmark:
         f"{RUN}/benchmarks/train_hmm/{{model}}.tsv"
+    wildcard_constraints:
+        model="|".join(HMMS),
     params:
         settings={key: value for key, value in SETTINGS.get("hmm", {}).items() if key != "variants"},
         seed=SEED,
         code=code("train_hmm.py"),
-    wildcard_constraints:
-        model="|".join(HMMS),
     script:
         "../scripts/train_hmm.py"
 
@@ -40,9 +38,9 @@ rule predict_hmm:
         f"{RUN}/logs/predict_hmm/{{model}}.log",
     benchmark:
         f"{RUN}/benchmarks/predict_hmm/{{model}}.tsv"
-    params:
-        code=code("predict_hmm.py"),
     wildcard_constraints:
         model="|".join(HMMS),
+    params:
+        code=code("predict_hmm.py"),
     script:
         "../scripts/predict_hmm.py"
