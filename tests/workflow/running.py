@@ -15,7 +15,7 @@ def command(folder: Path, *arguments: str, cores: int = 2, configfiles: tuple = 
     overlays = ["--configfile", *map(str, configfiles)] if configfiles else []
     return [
         sys.executable, "-m", "snakemake", "--snakefile", str(REPOSITORY / "Snakefile"), "--directory", str(folder),
-        "--cores", str(cores), *overlays, *arguments,
+        "--cores", str(cores), *arguments, *overlays,
     ]  # fmt: skip
 
 
