@@ -65,7 +65,8 @@ def refine(hmm: Hmm, training: Sequence[tuple], validation: Sequence[tuple]) -> 
             direction = np.stack([slope.mean * deviation, slope.log_precision])
             if not settings.mge_variances:
                 direction[1] = 0
-            place = place - settings.mge_learning_rate * _adam(moments, direction / slope.frames, updates)
+            moments, step = _adam(moments, direction / slope.frames, updates)
+            place = place - settings.mge_learning_rate * step
             moved = replace(
                 hmm.gaussians, mean=hmm.gaussians.mean + deviation * place[0], variance=variance * np.exp(-place[1])
             )
@@ -82,14 +83,12 @@ def refine(hmm: Hmm, training: Sequence[tuple], validation: Sequence[tuple]) -> 
     return replace(best, kind="mge", about=about)
 
 
-def _adam(moments: np.ndarray, direction: np.ndarray, updates: int) -> np.ndarray:
-    """The step of Adam; ``moments`` are the working memory of :func:`refine` and go on from call to call."""
-    result = []
-    for decay, values, moment in zip(_DECAYS, (direction, direction**2), moments, strict=True):
-        moment *= decay
-        moment += (1 - decay) * values
-        result.append(moment / (1 - decay**updates))
-    return result[0] / (np.sqrt(result[1]) + _TINY)
+def _adam(moments: np.ndarray, direction: np.ndarray, updates: int) -> tuple[np.ndarray, np.ndarray]:
+    """The moments after this update, the ``updates``-th, and the step that Adam makes."""
+    decays = np.reshape(_DECAYS, (2, *[1] * direction.ndim))
+    moments = decays * moments + (1 - decays) * np.stack([direction, direction**2])
+    first, second = moments / (1 - decays**updates)
+    return moments, first / (np.sqrt(second) + _TINY)
 
 
 def generation_error(hmm: Hmm, examples: Sequence[tuple]) -> float:
