@@ -27,6 +27,7 @@ include: "workflow/rules/hmm.smk"
 include: "workflow/rules/tables.smk"
 include: "workflow/rules/comparisons.smk"
 include: "workflow/rules/videos.smk"
+include: "workflow/rules/preference.smk"
 include: "workflow/rules/speak.smk"
 include: "workflow/rules/report.smk"
 
@@ -46,6 +47,7 @@ localrules:
     models,
     tables,
     videos,
+    preference,
     speaker,
     speak,
     report,
@@ -111,6 +113,11 @@ rule speaker:
 rule speak:
     input:
         spoken_videos,
+
+
+rule preference:
+    input:
+        f"{RUN}/preference/videos",
 
 
 rule report:

@@ -190,8 +190,9 @@ def comparison_sheets(
         for row in (best, *to_best):
             wins = int((part["better"] == row).sum())
             losses = int(((part["second"] == row) & (part["better"] != "")).sum())
-            rows.append((row_title(row), (Cell(f"{values[row]:.{digits}f}", best=row == best), *_to_best(to_best.get(row), digits),
-                               Cell(str(wins)), Cell(str(losses)))))  # fmt: skip
+            shown = Cell(f"{values[row]:.{digits}f}", best=row == best)
+            cells = (shown, *_to_best(to_best.get(row), digits), Cell(str(wins)), Cell(str(losses)))
+            rows.append((row_title(row), cells))
         sheets.append(
             Sheet(
                 title=f"{METRICS[name].title}: which differences are real",
