@@ -5,9 +5,9 @@ PREFERENCE = {
     "answers": "",
     **SETTINGS.get("preference", {}),
 }
-for model in PREFERENCE["models"]:
-    if model not in PREDICTORS:
-        raise WorkflowError(f"`preference.models: {model}` is not there. Known: {', '.join(PREDICTORS)}.")
+for name in PREFERENCE["models"]:
+    if name not in PREDICTORS:
+        raise WorkflowError(f"`preference.models: {name}` is not there. Known: {', '.join(PREDICTORS)}.")
 
 
 rule render_pairs:
@@ -20,7 +20,7 @@ rule render_pairs:
         second=f"{RUN}/models/{PREFERENCE['models'][1]}/predictions.h5",
         landmarks=shards(f"{CORPUS}/landmarks/{{shard}}.h5"),
         pose=shards(f"{RUN}/pose/{{shard}}.h5"),
-        textures=shards(f"{RUN}/aam/textures/{{shard}}.h5"),
+        textures=shards(FACES),
     output:
         videos=directory(f"{RUN}/preference/videos"),
         sheet=f"{RUN}/preference/answers.tsv",
@@ -32,7 +32,7 @@ rule render_pairs:
         f"{RUN}/benchmarks/render_pairs.tsv"
     params:
         models=PREFERENCE["models"],
-        count=PREFERENCE["count"],
+        pairs=PREFERENCE["count"],
         label=SETTINGS["videos"]["label"],
         names={"corpus": PLAN.name, "consent": SETTINGS["corpus"].get("consent", "")},
         seed=SEED,

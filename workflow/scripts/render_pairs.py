@@ -25,7 +25,7 @@ with (
     speaker = Speaker.load(source.head, source.aam, source.reference)
     predictions = dict(zip(params.models, (first, second), strict=True))
     utterances = {one.id: one for one in of_split(read_utterances(source.utterances), "test")}
-    pairs = draw_pairs(list(utterances), params.models, params.count, params.seed)
+    pairs = draw_pairs(list(utterances), params.models, params.pairs, params.seed)
     for pair in progress(pairs, len(pairs), "pairs"):
         name, path = pair.utterance, Path(folder, f"{pair.number:02d}.mp4")
         turned = Pose(pose.array(name, "rotation"), pose.array(name, "translation"))
