@@ -1,7 +1,9 @@
-from dataclasses import replace
+from dataclasses import fields, replace
 
 import pytest
+import yaml
 
+from tests.paths import REPOSITORY
 from tests.unit.models.hmm.speech import PHONES, utterances
 from visualspeech.errors import SettingError
 from visualspeech.models.hmm.model import HmmSettings
@@ -30,3 +32,10 @@ def test_settings_are_those_of_the_variant():
 def test_unknown_variant_is_named():
     with pytest.raises(SettingError, match="hmm_tide"):
         train_variant("hmm_tide", None, [], [], PHONES, SETTINGS)
+
+
+def test_schema_and_library_know_the_same_settings():
+    schema = yaml.safe_load((REPOSITORY / "workflow" / "schemas" / "config.schema.yaml").read_text())
+    described = schema["properties"]["hmm"]["properties"]
+    assert set(described) == {field.name for field in fields(HmmSettings)} - {"seed"} | {"variants"}
+    assert described["variants"]["items"]["enum"] == HMMS
