@@ -9,10 +9,12 @@ import numpy as np
 from visualspeech.errors import DataError
 from visualspeech.face.aam.fitting.model import FittingModel, grey
 from visualspeech.face.aam.fitting.solver import fit, follow, joined
-from visualspeech.face.aam.points import SELECTION, lower_face, to_points, to_vector
+from visualspeech.face.aam.points import SELECTION, TRACKED, lower_face, to_points, to_vector
 from visualspeech.face.aam.reference import Reference, sample_texture
 from visualspeech.face.drift import FaceReference
 from visualspeech.face.pose import HeadModel, Pose, to_frontal, to_image
+
+_COMPLETED = SELECTION[:, TRACKED]  # the 51 points from the tracked ones among them
 
 
 @dataclass(frozen=True)
@@ -38,6 +40,9 @@ class FittedFaces:
 class PoseView:
     """A head's pose as the view between frontal shapes and pictures; what fitting adds is a small similarity.
 
+    The five derived points are means of tracked ones here as there: in perspective, a mean of points that lie at
+    different depths is not seen where the mean of their places is.
+
     Parameters
     ----------
     shift : (51, 2) what the shapes of this recording lie beside the model's (its drift), frontal pixels
@@ -45,13 +50,15 @@ class PoseView:
 
     def __init__(self, pose: Pose, head: HeadModel, shift: np.ndarray) -> None:
         self.pose, self.head, self.shift = pose, head, shift
-        self.model = SELECTION @ head.points3d
+        self.model = head.points3d[TRACKED]
 
     def to_model(self, points: np.ndarray, frames: np.ndarray) -> np.ndarray:
-        return to_frontal(points, self.pose[frames], self.head, self.model) - self.shift
+        tracked = points[:, : len(TRACKED)]
+        return _COMPLETED @ to_frontal(tracked, self.pose[frames], self.head, self.model) - self.shift
 
     def to_image(self, points: np.ndarray, frames: np.ndarray) -> np.ndarray:
-        return to_image(points + self.shift, self.pose[frames], self.head, self.model)
+        tracked = (points + self.shift)[:, : len(TRACKED)]
+        return _COMPLETED @ to_image(tracked, self.pose[frames], self.head, self.model)
 
 
 def fit_faces(
@@ -104,7 +111,7 @@ def fit_faces(
     if done != len(start):
         raise DataError(f"{done} frames in the recording but landmarks for {len(start)}")
     every = joined(fits)
-    frontal = to_frontal(every.points, pose, head, SELECTION @ head.points3d)
+    frontal = PoseView(pose, head, np.zeros_like(shift)).to_model(every.points, np.arange(done))
     shape = to_vector(frontal).astype(np.float32)
     return FittedFaces(
         every.points.astype(np.float32), shape, np.stack(textures), every.error.astype(np.float32), every.diverged
