@@ -76,7 +76,7 @@ def test_the_console_command_takes_the_folder(spoken, tmp_path):
     ("settings", "said"),
     [
         ({"sentences": ["Fine.", "?!"]}, "no word to pronounce in '?!'"),
-        ({"sentences": []}, "nothing to say"),
+        ({"sentences": []}, "speak.sentences: []"),
         ({"model": "FBB-77"}, "`speak.model: FBB-77` is not trained"),
         ({"file": "nowhere.txt"}, "cannot read the sentences of nowhere.txt"),
         ({"sentence": ["a"]}, "Did you mean `sentences`?"),

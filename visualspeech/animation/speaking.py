@@ -24,6 +24,7 @@ from visualspeech.features.resampling import resample
 from visualspeech.jobs import log, progress
 from visualspeech.media import write_video
 from visualspeech.models.network import Network
+from visualspeech.prefetching import prefetched
 from visualspeech.speech.alignment import Alignment, to_table
 from visualspeech.speech.phones import SILENCE
 from visualspeech.speech.spoken import Spoken
@@ -248,7 +249,8 @@ def speak(
     rate = bundle.background.rate
     frames = max(1, round(performance.seconds * rate))
     appearance = resample(performance.appearance, performance.rate, rate, frames)
-    pictures = progress(speaking_frames(appearance, bundle, settings), frames, "frames")
+    # Pictures are made on one core while the last ones are encoded on another.
+    pictures = progress(prefetched(speaking_frames(appearance, bundle, settings), 8), frames, "frames")
     metadata = speech_metadata(performance.text, bundle, voice)
     write_video(path, pictures, rate, performance.samples, performance.audio_rate, metadata)
 

@@ -41,21 +41,23 @@ def split_sentences(text: str, longest: int = LONGEST) -> list[str]:
 
 
 def listed_sentences(given: Sequence[str], path: str = "") -> dict[str, str]:
-    """What is to be said, one text a video, numbered from "001": the texts given, then the lines of a text file.
+    """What is to be said, one text a video, numbered from "001": the lines of a text file, or else the texts given.
 
     Raises
     ------
     SettingError
-        The file cannot be read, or a text holds no word to pronounce.
+        The file cannot be read or is empty, or a text holds no word to pronounce.
     """
-    lines: list[str] = []
+    texts = list(given)
     if path:
         try:
             lines = Path(path).read_text(encoding="utf-8-sig").splitlines()
         except (OSError, UnicodeDecodeError) as error:
             reason = getattr(error, "strerror", None) or "it is no UTF-8 text"
             raise SettingError(f"cannot read the sentences of {path}: {reason}.") from error
-    texts = [*given, *(line.strip() for line in lines if line.strip())]
+        texts = [line.strip() for line in lines if line.strip()]
+        if not texts:
+            raise SettingError(f"{path} holds no sentence; write one text a line.")
     for text in texts:
         split_sentences(text)
     return {f"{number:03d}": text for number, text in enumerate(texts, start=1)}

@@ -91,7 +91,7 @@ def speak_text(
         if all(phone == SILENCE for phone, _, _ in speech.phones):
             raise SettingError(f"there is no word to pronounce in {sentence!r}; give English words or numbers.")
         last = number == len(sentences) - 1
-        # Half a pause on either side of its border: every sentence comes out of silence and goes into it, as in training.
+        # Half a pause on either side of a border: every sentence comes out of silence and goes into it, as in training.
         before = settings.before if number == 0 else settings.pause / 2
         yield _with_silence(sentence, speech, before, settings.after if last else settings.pause / 2, shares or {})
 

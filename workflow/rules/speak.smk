@@ -4,7 +4,7 @@ from visualspeech.speech.sentences import listed_sentences
 SPEAK = {
     "model": SETTINGS["videos"]["model"],
     "label": SETTINGS["videos"]["label"],
-    "sentences": [],
+    "sentences": ["Hello."],
     "file": "",
     "voice": {},
     "background": [],
@@ -17,13 +17,6 @@ try:
     SENTENCES = listed_sentences(SPEAK["sentences"], SPEAK["file"])
 except VisualSpeechError as error:
     raise WorkflowError(f"`speak`: {error}")
-
-
-def spoken_videos(wildcards):
-    """One video a sentence."""
-    if not SENTENCES:
-        raise WorkflowError("there is nothing to say; give sentences in `speak.sentences` or a text in `speak.file`.")
-    return expand(f"{RUN}/spoken/{{number}}.mp4", number=SENTENCES)
 
 
 rule bundle_speaker:

@@ -33,10 +33,14 @@ def test_a_text_without_a_word_is_refused(text):
 def test_texts_are_numbered_and_read_from_a_file(tmp_path):
     path = tmp_path / "texts.txt"
     path.write_text("Second one.\n\n  Third. And more.  \n")
-    assert listed_sentences(["First."], str(path)) == {"001": "First.", "002": "Second one.", "003": "Third. And more."}
+    assert listed_sentences(["First."]) == {"001": "First."}
+    assert listed_sentences(["First."], str(path)) == {"001": "Second one.", "002": "Third. And more."}
     assert listed_sentences([]) == {}
     with pytest.raises(SettingError, match="cannot read the sentences of .*nowhere.txt: No such file"):
         listed_sentences([], str(tmp_path / "nowhere.txt"))
+    path.write_text("\n \n")
+    with pytest.raises(SettingError, match="holds no sentence"):
+        listed_sentences([], str(path))
     path.write_bytes(b"\xff\xfe\xff")
     with pytest.raises(SettingError, match="no UTF-8"):
         listed_sentences([], str(path))
