@@ -112,7 +112,7 @@ rule speaker:
 
 rule speak:
     input:
-        spoken_videos,
+        expand(f"{RUN}/spoken/{{number}}.mp4", number=SENTENCES),
 
 
 rule preference:
