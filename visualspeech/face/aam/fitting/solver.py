@@ -132,7 +132,7 @@ def _fit_batch(frames, start, numbers, model: FittingModel, view, offset) -> Fit
     limit = settings.shape_limit * shapes.deviations
     shape = np.clip(shape, -limit, limit)
     shrink = _image_scale(points, model)
-    steps = np.zeros(len(frames), int)
+    steps, lost = np.zeros(len(frames), int), np.zeros(len(frames), bool)
     finest = model.levels[-1]
     for level in model.levels:
         reduction = max(1, int(level.mesh.spacing * shrink))
@@ -150,7 +150,8 @@ def _fit_batch(frames, start, numbers, model: FittingModel, view, offset) -> Fit
             moves = -model.scale * np.einsum("ti,ina->tna", change, shapes.changes)
             moved = level.mesh.compose(points[active], moves)
             in_model = moved if view is None else view.to_model(moved, numbers[active])
-            fine = np.isfinite(in_model).all(axis=(1, 2))  # a fit run away stays where it is and counts as diverged
+            fine = np.isfinite(in_model).all(axis=(1, 2))
+            lost[active[~fine]] = True  # such a fit stays where it was
             active, in_model, moves = active[fine], in_model[fine], moves[fine]
             steps[active] += 1
             similarity[active], free = shapes.parameters(in_model)
@@ -164,7 +165,7 @@ def _fit_batch(frames, start, numbers, model: FittingModel, view, offset) -> Fit
     both = [_read(pictures, where, everything, finest, reduction) - base for where in (points, start)]
     texture, error = _explained(both[0], finest)
     start_error = _explained(both[1], finest)[1]
-    diverged = _diverged(points, start, error, start_error, model)
+    diverged = lost | _diverged(points, start, error, start_error, model)
     kept = np.where(diverged[:, None, None], start, points)
     return Fit(kept, similarity, shape, texture, error, start_error, diverged, steps)
 
