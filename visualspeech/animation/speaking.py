@@ -31,6 +31,7 @@ from visualspeech.speech.spoken import Spoken
 from visualspeech.speech.substitutes import substitutes
 from visualspeech.timing import frame_times
 
+PRESET = "veryfast"  # of the encoder, which would else take most of the time
 _BLOCK = 25  # textures decoded at a time
 
 
@@ -252,7 +253,7 @@ def speak(
     # Pictures are made on one core while the last ones are encoded on another.
     pictures = progress(prefetched(speaking_frames(appearance, bundle, settings), 8), frames, "frames")
     metadata = speech_metadata(performance.text, bundle, voice)
-    write_video(path, pictures, rate, performance.samples, performance.audio_rate, metadata)
+    write_video(path, pictures, rate, performance.samples, performance.audio_rate, metadata, preset=PRESET)
 
 
 def speech_metadata(text: str, bundle: SpeakerBundle, voice: str) -> dict[str, str]:
