@@ -212,8 +212,8 @@ def write_video(
 ) -> None:
     """Write RGB frames (height, width, 3) uint8, all of one even size, and mono float sound as H.264/AAC MP4.
 
-    Frames are taken one at a time, so memory does not grow with the length. The bytes repeat from run to run. ``preset``
-    is x264's: a faster one makes larger files of the same quality.
+    Frames are taken one at a time, so memory does not grow with the length. The bytes repeat from run to run.
+    ``preset`` is x264's: a faster one makes larger files of the same quality.
     """
     rate = Fraction(rate).limit_denominator(100_000)
     with (
