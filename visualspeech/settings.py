@@ -1,7 +1,7 @@
 """Settings: read, layered, and checked against the schema before any job runs.
 
-A run has three layers, the later over the earlier: the experiment's file (the numbers of one paper), ``config.yaml``, and
-what the command line gives (``--configfile``, ``--config``). The corpus is named, or given as a file or in place.
+A run has three layers, the later over the earlier: the experiment's file (the numbers of one paper), ``config.yaml``,
+and what the command line gives (``--configfile``, ``--config``). The corpus is named, or given as a file or in place.
 """
 
 import difflib
@@ -141,11 +141,6 @@ def _check_together(settings: dict) -> None:
                     f"`networks.nodes: {nodes}` is odd; with `networks.b_nodes: layer` the two directions of a B layer "
                     "share its nodes. Give an even number."
                 )
-    if networks.get("richer") and not settings["features"].get("label_parts"):
-        raise SettingError(
-            "`networks.richer` trains networks on richer labels, but `features.label_parts` is empty. Say there which "
-            "parts they have, for example [position_in_syllable, position_in_word, stress]."
-        )
     shown = settings["videos"]["model"]
     if shown not in model_names(settings):
         raise SettingError(f"`videos.model: {shown}` is not trained. Trained here: {', '.join(model_names(settings))}.")

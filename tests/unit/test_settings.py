@@ -134,15 +134,13 @@ def with_networks(**changes):
 def test_further_seeds_and_richer_labels_have_names_of_their_own():
     settings = with_networks(stacks=["FBB", "F"], nodes=[128], seeds=[1, 5])
     assert model_names(settings) == ["FBB-128", "F-128", "FBB-128-s5", "F-128-s5"]
-    richer = merged(
-        settings, {"networks": {"seeds": [3], "richer": ["FBB-128"]}, "features": {"label_parts": ["stress"]}}
-    )
+    richer = merged(settings, {"networks": {"seeds": [3], "richer": ["FBB-128"]}})
     assert model_names(richer) == ["FBB-128", "F-128", "FBB-128-rich"]
 
 
 def test_networks_that_cannot_be_are_named_before_any_job():
-    with pytest.raises(SettingError, match="`features.label_parts` is empty"):
-        with_networks(richer=["FBB-128"])
+    with pytest.raises(SettingError, match="networks.label_parts.0: tone` must be one of position_in_syllable"):
+        with_networks(richer=["FBB-128"], label_parts=["tone"])
     with pytest.raises(SettingError, match="`networks.nodes: 129` is odd"):
         with_networks(nodes=[128, 129], b_nodes="layer")
     with pytest.raises(SettingError, match="networks.b_nodes: both` must be one of direction, layer"):

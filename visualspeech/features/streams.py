@@ -12,16 +12,9 @@ from visualspeech.features.resampling import resample
 
 @dataclass(frozen=True)
 class FeatureSettings:
-    """What streams are made.
-
-    Parameters
-    ----------
-    rate : the common frame rate of labels and visual parameters in Hz (Fan 2015, section 5.1: 25); 0 keeps the video's
-    label_parts : what labels say beyond phones and states, of :data:`visualspeech.features.richer.PARTS`
-    """
+    """The common frame rate of labels and visual parameters in Hz (Fan 2015, section 5.1: 25); 0 keeps the video's."""
 
     rate: float = 25.0
-    label_parts: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         if self.rate < 0:

@@ -1,13 +1,16 @@
 """Stacks of feed-forward (F) and bidirectional LSTM (B) layers, named by their letters: FBB, BFF, ... (Fan 2015, 4)."""
 
 import re
+from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import accumulate
 
 import torch
 from torch import nn
 from torch.nn.utils.rnn import PackedSequence, pack_padded_sequence, pad_packed_sequence
 
 from visualspeech.errors import SettingError
+from visualspeech.features.labels import STATES
 from visualspeech.naming import parse_name
 
 WIDTHS = ("direction", "layer")
@@ -73,15 +76,26 @@ class Stack(nn.Module):
 
     Utterances of one batch (N of them, T = the longest) may have different lengths: padded frames reach neither
     direction of a BLSTM layer, and the output there is zero.
+
+    Parameters
+    ----------
+    settings : the hidden layers
+    phones, outputs : size K of the inventory, dimension N of the appearance
+    dropout : share of hidden values set to zero in training
+    parts : number of values of each part that labels have beyond the paper's four
     """
 
-    def __init__(self, settings: StackSettings, phones: int, outputs: int, dropout: float = 0.0) -> None:
+    def __init__(
+        self, settings: StackSettings, phones: int, outputs: int, dropout: float = 0.0, parts: Sequence[int] = ()
+    ) -> None:
         super().__init__()
-        self.phones = phones
+        sizes = [phones, phones, phones, STATES, *parts]
+        self.offsets = torch.tensor([0, *accumulate(sizes[:-1])])
+        self.inputs = sum(sizes)
         self.letters = settings.letters
         self.dropout = nn.Dropout(dropout)
         self.layers = nn.ModuleList()
-        width = 3 * phones + 3
+        width = self.inputs
         for letter in settings.letters:
             if letter == "F":
                 self.layers.append(nn.Linear(width, settings.nodes))
@@ -92,7 +106,7 @@ class Stack(nn.Module):
         self.output = nn.Linear(width, outputs)
 
     def forward(self, labels: torch.Tensor, lengths: torch.Tensor) -> torch.Tensor:
-        """Labels (N, T, 4) int64 and lengths (N,) int64, descending, to outputs (N, T, outputs)."""
+        """Labels (N, T, 4 + parts) int64 and lengths (N,) int64, descending, to outputs (N, T, outputs)."""
         packed = pack_padded_sequence(labels, lengths, batch_first=True)
         # From here on only real frames exist: (frames of the batch, features), in the packed order.
         frames = self.encode(packed.data)
@@ -106,6 +120,6 @@ class Stack(nn.Module):
         return pad_packed_sequence(values, batch_first=True, total_length=labels.shape[1])[0]
 
     def encode(self, labels: torch.Tensor) -> torch.Tensor:
-        """The 3K + 3 one-hot vectors (3.1) of label indices: (frames, 4) to (frames, 3K + 3)."""
-        ones = torch.zeros(len(labels), 3 * self.phones + 3, dtype=self.output.weight.dtype)
-        return ones.scatter_(1, labels + torch.arange(4) * self.phones, 1.0)
+        """One-hot vectors of label indices: (frames, 4) to the 3K + 3 of the paper (3.1); a part more, a block more."""
+        ones = torch.zeros(len(labels), self.inputs, dtype=self.output.weight.dtype)
+        return ones.scatter_(1, labels + self.offsets, 1.0)

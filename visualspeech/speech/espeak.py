@@ -101,7 +101,9 @@ def main() -> int:
     try:
         engine = Engine(request["voice"])
         if "pronounce" in request:
-            answer, samples = {"pronounced": [engine.pronounce(word, request.get("marks", False)) for word in request["pronounce"]]}, b""
+            marks = request.get("marks", False)
+            answer = {"pronounced": [engine.pronounce(word, marks) for word in request["pronounce"]]}
+            samples = b""
         else:
             events, samples = engine.say(request["say"], request["rate"], request["pitch"])
             answer = {"rate": engine.rate, "events": events}

@@ -4,6 +4,7 @@ rule train_network:
         phones=f"{RUN}/phones.tsv",
         aam=f"{RUN}/aam/model.safetensors",
         features=shards(f"{RUN}/features/{{shard}}.h5"),
+        parts=parts_of,
     output:
         network=f"{RUN}/models/{{model}}/network.safetensors",
         curve=f"{RUN}/models/{{model}}/learning_curve.tsv",
@@ -11,15 +12,16 @@ rule train_network:
         f"{RUN}/logs/train_network/{{model}}.log",
     benchmark:
         f"{RUN}/benchmarks/train_network/{{model}}.tsv"
+    wildcard_constraints:
+        model="|".join(MODELS),
     params:
         # Not an output: it must outlive a killed job, whose outputs are removed before it runs again.
         checkpoint=f"{RUN}/models/{{model}}/checkpoint.safetensors",
         settings=SETTINGS["training"],
         b_nodes=SETTINGS["networks"].get("b_nodes", "direction"),
         seed=lambda wildcards: network_seed(wildcards.model),
+        parts=lambda wildcards: LABEL_PARTS if parse_name(wildcards.model).rich else [],
         code=code("train_network.py"),
-    wildcard_constraints:
-        model="|".join(MODELS),
     script:
         "../scripts/train_network.py"
 
@@ -29,16 +31,17 @@ rule predict_network:
         utterances=f"{RUN}/utterances.tsv",
         network=f"{RUN}/models/{{model}}/network.safetensors",
         features=shards(f"{RUN}/features/{{shard}}.h5"),
+        parts=parts_of,
     output:
         f"{RUN}/models/{{model}}/predictions.h5",
     log:
         f"{RUN}/logs/predict_network/{{model}}.log",
     benchmark:
         f"{RUN}/benchmarks/predict_network/{{model}}.tsv"
-    params:
-        code=code("predict_network.py"),
     wildcard_constraints:
         model="|".join(MODELS),
+    params:
+        code=code("predict_network.py"),
     script:
         "../scripts/predict_network.py"
 
@@ -54,11 +57,11 @@ rule predict_baseline:
         f"{RUN}/logs/predict_baseline/{{model}}.log",
     benchmark:
         f"{RUN}/benchmarks/predict_baseline/{{model}}.tsv"
+    wildcard_constraints:
+        model="training_mean|phone_state_mean|triphone_state_mean",
     params:
         settings=SETTINGS["baselines"],
         code=code("predict_baseline.py"),
-    wildcard_constraints:
-        model="training_mean|phone_state_mean|triphone_state_mean",
     script:
         "../scripts/predict_baseline.py"
 
