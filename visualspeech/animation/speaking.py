@@ -19,8 +19,8 @@ from visualspeech.animation.video import LABEL
 from visualspeech.animation.walk import Mix, WalkSettings, walk
 from visualspeech.errors import DataError, SettingError
 from visualspeech.face.pose import Pose
-from visualspeech.features.labels import label_indices
 from visualspeech.features.resampling import resample
+from visualspeech.features.richer import full_labels
 from visualspeech.jobs import log, progress
 from visualspeech.media import write_video
 from visualspeech.models.network import Network
@@ -150,7 +150,7 @@ def face_of(alignment: Alignment, frames: int, network: Network, rest: np.ndarra
     ----------
     ramp : seconds from the border of a pause to the face at rest
     """
-    labels = label_indices(to_table({"": alignment}), frames, network.rate, network.phones)
+    labels = full_labels(to_table({"": alignment}), frames, network.rate, network.phones, network.parts)
     weight = pause_weights(alignment, frames, network.rate, ramp)[:, None]
     return ((1 - weight) * network.predict(labels) + weight * rest).astype(np.float32)
 
