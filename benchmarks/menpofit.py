@@ -113,13 +113,13 @@ def theirs(python: str, data: dict) -> dict:
         return dict(np.load(target))
 
 
-def row(name: str, rate: tuple[float, float], points, truth, own, common) -> tuple[float, float, float, float]:
+def row(name: str, rate: tuple[float, float], points, truth, own, common) -> tuple[float, ...]:
     distance = np.linalg.norm(points - truth, axis=2).mean()
     print(
         f"{name:38s} {rate[0]:7.0f} ({rate[1]:5.0f}) frames/s  points {distance:5.2f} px  "
         f"reconstruction {own.mean():5.2f}, by one model {common.mean():5.2f} grey levels"
     )
-    return rate[0], distance, own.mean(), common.mean()
+    return *rate, distance, own.mean(), common.mean()
 
 
 def main(python: str, pixels: str = str(PIXELS)) -> None:
@@ -165,7 +165,9 @@ def main(python: str, pixels: str = str(PIXELS)) -> None:
             own = row(f"{variant}: ours, scales {scales}", tuple(rate), found.points, truth, left, left)
             ratios = [mine / its for mine, its in zip(own, base, strict=True)]
             print(
-                "  ratios: frames/s {:.1f}, points {:.2f}, reconstruction {:.2f}, by one model {:.2f}".format(*ratios)
+                "  ratios: frames/s {:.1f} ({:.1f}), points {:.2f}, reconstruction {:.2f}, by one model {:.2f}".format(
+                    *ratios
+                )
                 + f"; {found.iterations.mean():.1f} steps a frame, {found.diverged.sum()} diverged"
             )
 

@@ -40,7 +40,7 @@ class ShapeSpace:
         centre = np.asarray(mean, float).mean(axis=0)
         centred = np.asarray(mean, float) - centre
         rigid = _similarities(centred).reshape(4, -1)
-        spread = np.asarray(components, float).reshape(len(components), -1) * np.sqrt(variances)[:, None]
+        spread = np.asarray(components, float).reshape(len(components), mean.size) * np.sqrt(variances)[:, None]
         spread = spread - (spread @ rigid.T) @ rigid
         _, values, rows = np.linalg.svd(spread, full_matrices=False)
         kept = values > 1e-3 * max(values[0], 1e-12) if len(values) else []
