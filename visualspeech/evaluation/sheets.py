@@ -8,6 +8,7 @@ import html
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+from visualspeech.errors import StorageError
 from visualspeech.evaluation.escaping import markdown, tex
 from visualspeech.evaluation.table_formats import PAGE_STYLE
 from visualspeech.evaluation.tables import TableFacts
@@ -163,6 +164,21 @@ def _html_cell(cell: Cell) -> str:
         text = f"<strong>{text}</strong>"
     small = f"<small>{html.escape(cell.small)}</small>" if cell.small else ""
     return f"<td>{text}{small}</td>"
+
+
+def fragment_of(page: str) -> str:
+    """The tables of a page that :func:`to_html_page` wrote, for a page that holds more.
+
+    Raises
+    ------
+    StorageError
+        It is no such page.
+    """
+    _, heading, rest = page.partition("</h1>\n")
+    body, end, _ = rest.rpartition("</body>")
+    if not heading or not end:
+        raise StorageError("this is no page of tables of a run. Delete it and run again.")
+    return body
 
 
 def to_html_page(sheets: Sequence[Sheet], title: str) -> str:

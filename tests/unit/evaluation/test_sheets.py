@@ -4,8 +4,19 @@ import html.parser
 import re
 
 import pandas
+import pytest
 
-from visualspeech.evaluation.sheets import Cell, Sheet, all_forms, to_html_page, to_latex, to_markdown
+from visualspeech.errors import StorageError
+from visualspeech.evaluation.sheets import (
+    Cell,
+    Sheet,
+    all_forms,
+    fragment_of,
+    to_html,
+    to_html_page,
+    to_latex,
+    to_markdown,
+)
 
 NASTY = "50 % & <b>_x_|$#[1]"
 SHEET = Sheet(
@@ -60,6 +71,12 @@ def test_html_nests_and_escapes():
     parser.feed(text)
     assert parser.open == []
     assert text.count("<th ") == 1 + 2 + 4 + 2 + 1 + 1 + 1 and 'colspan="2">256<' in text
+
+
+def test_a_page_gives_its_tables_back():
+    assert fragment_of(to_html_page([SHEET, PLAIN], NASTY)) == to_html([SHEET, PLAIN])
+    with pytest.raises(StorageError, match="no page of tables"):
+        fragment_of("<html></html>")
 
 
 def test_the_tsv_is_read_by_others(tmp_path):
