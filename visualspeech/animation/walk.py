@@ -32,20 +32,22 @@ class WalkSettings:
     ----------
     mixed : frames over which a change is spread, on each side of it
     least : seconds between two changes, where the recordings are long enough
-    slack : changes up to this much worse than the best at hand are taken too, by chance: what repeats itself is seen
+    unseen : distance up to which a change cannot be seen, where an ordinary step from frame to frame is 2. Of all such
+        changes at hand one is taken by chance, for what repeats itself is seen; where there is none, the best
     seed : of that chance
     """
 
-    mixed: int = 5
+    mixed: int = 6
     least: float = 1.2
-    slack: float = 1.3
+    unseen: float = 6.0
     seed: int = 0
 
     def __post_init__(self) -> None:
         if not (isinstance(self.mixed, int) and self.mixed >= 0):
-            raise SettingError(f"mixed is {self.mixed!r}; give a number of frames, 0 or more (5 serves).")
-        if not (self.least >= 0 and self.slack >= 1):
-            raise SettingError(f"least is {self.least!r} and slack {self.slack!r}; give 0 s or more, and 1 or more.")
+            raise SettingError(f"mixed is {self.mixed!r}; give a number of frames, 0 or more (6 serves).")
+        for name in ("least", "unseen"):
+            if not getattr(self, name) >= 0:
+                raise SettingError(f"{name} is {getattr(self, name)!r}; give 0 or more.")
 
 
 def changes(distances: np.ndarray, clip: np.ndarray, mixed: int) -> tuple[np.ndarray, np.ndarray]:
@@ -135,7 +137,7 @@ def _choice(ahead, direction, same, turned, first, last, room, used, settings, g
         cost = cost[ahead] * (1 + 0.2 * used)
         costs.append(np.where(left >= room, cost, np.inf))
     table = np.stack(costs)
-    chosen = np.argwhere(table <= settings.slack * table.min() + 1e-9)
+    chosen = np.argwhere(table <= max(settings.unseen, 1.1 * table.min()))
     kind, row, to = chosen[generator.integers(len(chosen))]
     return int(ahead[row]), int(to), int(direction if kind == 0 else -direction)
 

@@ -11,6 +11,8 @@ def path_of(values, clip=None, frames=2000, rate=25.0, **settings):
     """A way through frames that show some values (n, d), and what it shows."""
     values = np.asarray(values, float)
     distances = np.linalg.norm(values[:, None] - values[None], axis=2)
+    step = np.median(distances[np.arange(len(values) - 1), np.arange(1, len(values))]) if len(values) > 1 else 1.0
+    distances *= 2 / step
     clip = np.zeros(len(values), int) if clip is None else clip
     way = list(islice(walk(distances, clip, rate, WalkSettings(**settings)), frames))
     share = np.array([mix.share for mix in way])[:, None]
@@ -89,8 +91,8 @@ def test_costs_are_the_mean_distance_along_both_ways():
 def test_bad_settings():
     with pytest.raises(SettingError, match="mixed"):
         WalkSettings(mixed=-1)
-    with pytest.raises(SettingError, match="slack"):
-        WalkSettings(slack=0.5)
+    with pytest.raises(SettingError, match="unseen"):
+        WalkSettings(unseen=-1)
     with pytest.raises(DataError, match="no background"):
         next(walk(np.zeros((0, 0)), np.zeros(0, int), 25.0))
     assert next(walk(np.zeros((1, 1)), np.zeros(1, int), 25.0)) == Mix(0, 0, 0.0)
