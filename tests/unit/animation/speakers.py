@@ -15,6 +15,7 @@ from visualspeech.face.aam.reference import ReferenceSettings, fit_reference, sa
 from visualspeech.face.aam.rows import ArrayRows
 from visualspeech.face.drift import FaceReference
 from visualspeech.face.pose import estimate, fit_head, to_frontal
+from visualspeech.features.richer import part_sizes
 from visualspeech.models.blstm import Stack, StackSettings
 from visualspeech.models.network import Network
 from visualspeech.provenance import file_digest
@@ -56,9 +57,14 @@ def make(folder: Path, phones=PHONES, rate: float = 25.0, seed: int = 4) -> Path
     return folder
 
 
-def network(outputs: int, appearance: np.ndarray, phones, rate: float, aam: str) -> Network:
+def network(outputs: int, appearance: np.ndarray, phones, rate: float, aam: str, parts=()) -> Network:
     """A network whose answers spread as the appearance (T, outputs) of the recordings does."""
     torch.manual_seed(0)
     stack = StackSettings("F", 4)
-    weights = {name: values.numpy() for name, values in Stack(stack, len(phones), outputs).state_dict().items()}
-    return Network(stack, tuple(phones), weights, appearance.mean(axis=0), float(appearance.std()), rate, aam)
+    weights = {
+        name: values.numpy()
+        for name, values in Stack(stack, len(phones), outputs, parts=part_sizes(parts)).state_dict().items()
+    }
+    return Network(
+        stack, tuple(phones), weights, appearance.mean(axis=0), float(appearance.std()), rate, aam, parts=parts
+    )

@@ -137,6 +137,13 @@ def test_sound_and_picture_are_of_one_length(bundle):
     assert np.square(performance.samples).sum() == pytest.approx(np.square(plain).sum(), rel=1e-4)
 
 
+def test_a_network_of_richer_labels_speaks_too(bundle):
+    parts = ("position_in_syllable", "position_in_word", "stress")
+    rich = speakers.network(bundle.network.outputs, bundle.rest[None] * [[1.0], [1.1]], PHONES, 25.0, "", parts)
+    performance = perform(speak_text("A happy map."), rich, bundle.rest)
+    assert performance.appearance.shape[1] == bundle.network.outputs
+
+
 def test_phones_that_the_model_lacks_are_replaced_or_refused(bundle):
     alignment = timed([("sil", 0, 0.1), ("zh", 0.1, 0.2), ("oy", 0.2, 0.4)])
     renamed, replaced = in_phones_of(alignment, [phone for phone in PHONES if phone not in ("zh", "oy")])
