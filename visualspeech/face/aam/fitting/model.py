@@ -39,7 +39,7 @@ class FittingSettings:
         least exact where faces differ from the mean)
     start : ``landmarks``: each frame starts from the tracker's points; ``last_frame``: from the fit of the frame before
         (slower: nothing can be done for all frames at once), from the tracker's where that diverges
-    scales : coarse to fine, how many grid pixels each way are one pixel
+    scales : how many grid pixels each way are one pixel; fitted coarse to fine, whatever the order given
     iterations : most steps at a scale
     tolerance : pixels of the grid; a frame is done with a scale when no point moves farther in a step
     shape_modes, texture_modes : most modes that are fitted, the leading ones
@@ -68,16 +68,15 @@ class FittingSettings:
     distance_limit: float = 0.25
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "scales", tuple(self.scales))
+        object.__setattr__(self, "scales", tuple(sorted(self.scales, reverse=True)))
         if self.variant not in VARIANTS:
             raise SettingError(f"fitting variant {self.variant!r} is unknown; give one of {', '.join(VARIANTS)}.")
         if self.start not in STARTS:
             raise SettingError(f"fitting start {self.start!r} is unknown; give one of {', '.join(STARTS)}.")
         whole = all(isinstance(scale, int) and 1 <= scale <= 16 for scale in self.scales)
-        if not (self.scales and whole and list(self.scales) == sorted(set(self.scales), reverse=True)):
+        if not (self.scales and whole and len(set(self.scales)) == len(self.scales)):
             raise SettingError(
-                f"fitting scales are {list(self.scales)}; give whole numbers from 16 down to 1, coarse ones first, "
-                "for instance [2, 1]."
+                f"fitting scales are {list(self.scales)}; give different whole numbers up to 16, for instance [2, 1]."
             )
         for name, least in (("iterations", 1), ("shape_modes", 0), ("texture_modes", 0), ("batch", 1)):
             value = getattr(self, name)

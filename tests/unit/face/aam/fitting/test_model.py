@@ -72,7 +72,7 @@ def test_unfitting_parts_are_refused():
 
 @pytest.mark.parametrize(
     "wrong",
-    [{"variant": "forward"}, {"scales": (1, 2)}, {"scales": ()}, {"iterations": 0}, {"tolerance": 0}, {"prior": -1}],
+    [{"variant": "forward"}, {"scales": (1, 1)}, {"scales": ()}, {"iterations": 0}, {"tolerance": 0}, {"prior": -1}],
 )
 def test_settings_out_of_range_are_refused(wrong):
     with pytest.raises(SettingError, match=next(iter(wrong))):
