@@ -10,6 +10,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from visualspeech.errors import DataError
 from visualspeech.features.resampling import resample
 from visualspeech.jobs import log
 from visualspeech.models.hmm.model import Hmm
@@ -46,7 +47,14 @@ def refine(hmm: Hmm, training: Sequence[tuple], validation: Sequence[tuple]) -> 
     ----------
     hmm : from :func:`visualspeech.models.hmm.training.fit_tied`
     training, validation : utterances as (:class:`PhoneTrack`, appearance (T, N), its rate in Hz)
+
+    Raises
+    ------
+    DataError
+        There is no training or no validation utterance.
     """
+    if not len(training) or not len(validation):
+        raise DataError("minimum generation error needs training and validation utterances. Change `split`.")
     settings = hmm.settings
     generator = np.random.default_rng(settings.seed)
     deviation, variance = np.sqrt(hmm.gaussians.variance), hmm.gaussians.variance

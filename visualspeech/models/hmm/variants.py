@@ -3,7 +3,7 @@
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 
-from visualspeech.errors import SettingError
+from visualspeech.errors import DataError, SettingError
 from visualspeech.models.hmm.mge import refine
 from visualspeech.models.hmm.model import Hmm, HmmSettings
 from visualspeech.models.hmm.training import fit_monophones, fit_tied
@@ -33,11 +33,15 @@ def train_variant(
     ------
     SettingError
         The name is unknown.
+    DataError
+        There is no utterance to learn from, or the variant before is not given.
     """
     if name not in HMMS:
         raise SettingError(f"`hmm.variants`: {name!r} is unknown. Known: {', '.join(HMMS)}.")
-    if start is None:
+    if name == HMMS[0]:
         return fit_monophones(training, phones, settings, aam)
+    if start is None:
+        raise DataError(f"{name} is made from {HMMS[HMMS.index(name) - 1]}, which is not given.")
     start = replace(start, settings=settings)
     steps: dict[str, Callable[[], Hmm]] = {
         "hmm_tied": lambda: fit_tied(start, training),

@@ -5,7 +5,7 @@ import yaml
 
 from tests.paths import REPOSITORY
 from tests.unit.models.hmm.speech import PHONES, utterances
-from visualspeech.errors import SettingError
+from visualspeech.errors import DataError, SettingError
 from visualspeech.models.hmm.model import HmmSettings
 from visualspeech.models.hmm.variants import train_variant
 from visualspeech.models.names import HMMS
@@ -32,6 +32,14 @@ def test_settings_are_those_of_the_variant():
 def test_unknown_variant_is_named():
     with pytest.raises(SettingError, match="hmm_tide"):
         train_variant("hmm_tide", None, [], [], PHONES, SETTINGS)
+
+
+def test_what_a_variant_needs_is_asked_for():
+    with pytest.raises(DataError, match="hmm_monophone, which is not given"):
+        train_variant("hmm_tied", None, utterances(4), [], PHONES, SETTINGS)
+    monophone = train_variant("hmm_monophone", None, utterances(4), [], PHONES, SETTINGS)
+    with pytest.raises(DataError, match="validation"):
+        train_variant("hmm_mge", monophone, utterances(4), [], PHONES, SETTINGS)
 
 
 def test_schema_and_library_know_the_same_settings():
