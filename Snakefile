@@ -19,16 +19,21 @@ include: "workflow/rules/alignment.smk"
 include: "workflow/rules/landmarks.smk"
 include: "workflow/rules/pose.smk"
 include: "workflow/rules/aam.smk"
+include: "workflow/rules/fitting.smk"
 include: "workflow/rules/features.smk"
 include: "workflow/rules/models.smk"
+include: "workflow/rules/hmm.smk"
 include: "workflow/rules/tables.smk"
+include: "workflow/rules/comparisons.smk"
 include: "workflow/rules/videos.smk"
+include: "workflow/rules/preference.smk"
+include: "workflow/rules/speak.smk"
 include: "workflow/rules/report.smk"
 
 
 wildcard_constraints:
     shard=r"\d+",
-    model="|".join(MODELS + BASELINES),
+    model="|".join(MODELS + HMMS + BASELINES),
 
 
 localrules:
@@ -41,6 +46,9 @@ localrules:
     models,
     tables,
     videos,
+    preference,
+    speaker,
+    speak,
     report,
 
 
@@ -49,7 +57,7 @@ rule all:
     input:
         f"{CORPUS}/check/findings.tsv",
         f"{CORPUS}/alignment/textgrid",
-        f"{RUN}/tables/objective.tsv",
+        expand(f"{RUN}/tables/{{table}}.tsv", table=TABLES),
         f"{RUN}/videos",
         f"{CORPUS}/report.html",
 
@@ -83,17 +91,32 @@ rule features:
 
 rule models:
     input:
-        expand(f"{RUN}/models/{{model}}/predictions.h5", model=MODELS + BASELINES),
+        expand(f"{RUN}/models/{{model}}/predictions.h5", model=MODELS + HMM_ROWS + BASELINES),
 
 
 rule tables:
     input:
-        f"{RUN}/tables/objective.tsv",
+        expand(f"{RUN}/tables/{{table}}.tsv", table=TABLES),
 
 
 rule videos:
     input:
         f"{RUN}/videos",
+
+
+rule speaker:
+    input:
+        f"{RUN}/speakers/{SPEAK['model']}",
+
+
+rule speak:
+    input:
+        expand(f"{RUN}/spoken/{{number}}.mp4", number=SENTENCES),
+
+
+rule preference:
+    input:
+        f"{RUN}/preference/videos",
 
 
 rule report:

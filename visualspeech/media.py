@@ -208,10 +208,12 @@ def write_video(
     audio: np.ndarray | None = None,
     audio_rate: int = 48000,
     metadata: dict[str, str] | None = None,
+    preset: str = "medium",
 ) -> None:
     """Write RGB frames (height, width, 3) uint8, all of one even size, and mono float sound as H.264/AAC MP4.
 
     Frames are taken one at a time, so memory does not grow with the length. The bytes repeat from run to run.
+    ``preset`` is x264's: a faster one makes larger files of the same quality.
     """
     rate = Fraction(rate).limit_denominator(100_000)
     with (
@@ -224,7 +226,7 @@ def write_video(
         for picture in frames:
             if video is None:
                 # With its macroblock tree x264 reads memory it did not write at some widths: bytes do not repeat.
-                options = {"crf": "18", "preset": "medium", "x264-params": "no-mbtree=1"}
+                options = {"crf": "18", "preset": preset, "x264-params": "no-mbtree=1"}
                 video = out.add_stream("libx264", rate=rate, options=options)
                 video.thread_count = 1
                 video.height, video.width = picture.shape[:2]

@@ -8,11 +8,13 @@ import difflib
 import os
 from collections.abc import Mapping
 from copy import deepcopy
+from dataclasses import replace
 from pathlib import Path
 
 import yaml
 
 from visualspeech.errors import SettingError
+from visualspeech.naming import NetworkName, parse_name
 
 
 def read_yaml(path: Path) -> dict:
@@ -131,12 +133,27 @@ def _check_together(settings: dict) -> None:
     shares = settings["split"]
     if abs(sum(shares.values()) - 1) > 1e-6:
         raise SettingError(f"`split`: the shares must sum to 1, they sum to {sum(shares.values()):g}.")
+    networks = settings["networks"]
+    if networks.get("b_nodes") == "layer" and any("B" in stack for stack in networks["stacks"]):
+        for nodes in networks["nodes"]:
+            if nodes % 2:
+                raise SettingError(
+                    f"`networks.nodes: {nodes}` is odd; with `networks.b_nodes: layer` the two directions of a B layer "
+                    "share its nodes. Give an even number."
+                )
     shown = settings["videos"]["model"]
     if shown not in model_names(settings):
         raise SettingError(f"`videos.model: {shown}` is not trained. Trained here: {', '.join(model_names(settings))}.")
 
 
+def network_seeds(settings: Mapping) -> list[int]:
+    """Seeds that every network is trained with; the first one goes without saying in its name."""
+    return settings["networks"].get("seeds") or [settings["seed"]]
+
+
 def model_names(settings: Mapping) -> list[str]:
-    """Names of the networks of a run, one a stack and width: ``FBB-128``."""
-    networks = settings["networks"]
-    return [f"{stack}-{nodes}" for stack in networks["stacks"] for nodes in networks["nodes"]]
+    """Names of the networks of a run: one a stack and width (``FBB-128``), those of richer labels, further seeds."""
+    networks, (_, *further) = settings["networks"], network_seeds(settings)
+    cells = [NetworkName(stack, nodes) for stack in networks["stacks"] for nodes in networks["nodes"]]
+    cells += [replace(parse_name(name), rich=True) for name in networks.get("richer", [])]
+    return [str(replace(cell, seed=seed)) for seed in [None, *further] for cell in cells]

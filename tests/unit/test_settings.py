@@ -90,7 +90,7 @@ def test_every_shipped_config_builds_its_settings(overlay):
         ({"corpus": "demmo"}, r"`corpus: demmo` is not known.*Did you mean `demo`"),
         ({"experiment": "fan2016"}, r"`experiment: fan2016` is not known.*Did you mean `fan2015`"),
         ({"split": {"train": 0.9}}, r"must sum to 1"),
-        ({"videos": {"model": "BBB-512"}}, r"`videos\.model: BBB-512` is not trained\. Trained here: FBB-128"),
+        ({"videos": {"model": "BBB-512"}}, r"`videos\.model: BBB-512` is not trained\. Trained here: FFF-64.*FBB-128"),
         ({"corpus": {"name": "mine"}}, r"`corpus` lacks `adapter`"),
         ({"aam": {"shape": {"energy": 0.9, "components": 3}}}, r"aam\.shape"),
         ({"aam": {"shape": {"energy": 1.5}}}, r"aam\.shape\.energy: 1\.5"),
@@ -125,3 +125,23 @@ def test_a_corpus_file_anywhere_names_its_root_from_its_own_folder(tmp_path):
 def test_a_corpus_may_be_given_in_place():
     corpus = {"name": "mine", "adapter": "folder", "root": "/somewhere"}
     assert resolve(merged(default(), {"corpus": corpus}), CONFIG)["corpus"] == corpus
+
+
+def with_networks(**changes):
+    return resolve(merged(default(), {"networks": changes}), CONFIG)
+
+
+def test_further_seeds_and_richer_labels_have_names_of_their_own():
+    settings = with_networks(stacks=["FBB", "F"], nodes=[128], seeds=[1, 5])
+    assert model_names(settings) == ["FBB-128", "F-128", "FBB-128-s5", "F-128-s5"]
+    richer = merged(settings, {"networks": {"seeds": [3], "richer": ["FBB-128"]}})
+    assert model_names(richer) == ["FBB-128", "F-128", "FBB-128-rich"]
+
+
+def test_networks_that_cannot_be_are_named_before_any_job():
+    with pytest.raises(SettingError, match="networks.label_parts.0: tone` must be one of position_in_syllable"):
+        with_networks(richer=["FBB-128"], label_parts=["tone"])
+    with pytest.raises(SettingError, match="`networks.nodes: 129` is odd"):
+        with_networks(nodes=[128, 129], b_nodes="layer")
+    with pytest.raises(SettingError, match="networks.b_nodes: both` must be one of direction, layer"):
+        with_networks(b_nodes="both")

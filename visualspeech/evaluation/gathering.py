@@ -88,7 +88,7 @@ def split_sizes(utterances: Sequence[Utterance], features: ArrayCollection) -> t
 
 #: Stages that go through every recorded frame; the others have no frames a second.
 FRAME_STAGES = ("record_demo", "check_recordings", "align_speech", "track_landmarks", "normalise_pose",
-                "sample_textures", "encode_appearance", "build_features")  # fmt: skip
+                "sample_textures", "fit_faces", "encode_appearance", "build_features")  # fmt: skip
 
 
 def stage_timings(folders: Sequence[str], frames: Mapping[str, int]):

@@ -85,6 +85,7 @@ class ReportContent:
     utterances : name of a split -> number of accepted utterances
     frames : name of a split -> number of frames of them
     tables : result tables, the first is the main one
+    sheets : further tables as HTML, from :func:`visualspeech.evaluation.sheets.to_html`
     learning_curves, trajectories, modes : pictures
     videos : links
     findings : rejections and warnings of all stages
@@ -102,6 +103,7 @@ class ReportContent:
     utterances: Mapping[str, int] = field(default_factory=dict)
     frames: Mapping[str, int] = field(default_factory=dict)
     tables: tuple[ResultTable, ...] = ()
+    sheets: tuple[str, ...] = ()
     learning_curves: tuple[Picture, ...] = ()
     trajectories: tuple[Picture, ...] = ()
     modes: tuple[Picture, ...] = ()
@@ -135,6 +137,7 @@ def render_report(content: ReportContent) -> str:
     return environment.get_template("report.html").render(
         content=content,
         tables=[_safe(to_html(table)) for table in content.tables],
+        sheets=[_safe(fragment) for fragment in content.sheets],
         rejected=rejected,
         rejected_utterances=len({one.id for one in rejected}),
         warnings=warnings,

@@ -4,6 +4,8 @@ import html
 from collections.abc import Mapping
 
 from visualspeech.errors import StorageError
+from visualspeech.evaluation.escaping import markdown as _md
+from visualspeech.evaluation.escaping import tex as _tex
 from visualspeech.evaluation.metrics import METRICS, Metric
 from visualspeech.evaluation.statistics import BASE_ROW
 from visualspeech.evaluation.tables import FLOOR_ROW, PARTS, ROW_TITLES, ResultTable, best_cells
@@ -191,33 +193,3 @@ def _kind(row: str) -> str:
     if row == FLOOR_ROW:
         return "floor"
     return "baseline" if row in ROW_TITLES else "network"
-
-
-_TEX = {
-    "\\": r"\textbackslash{}",
-    **{sign: f"\\{sign}" for sign in "&%$#_{}"},
-    "[": "{[}",  # a bracket after the end of a row would be read as its argument
-    "]": "{]}",
-    "\u00a0": "~",
-    "~": r"\textasciitilde{}",
-    "^": r"\textasciicircum{}",
-    "<": r"\textless{}",
-    ">": r"\textgreater{}",
-    "“": "``",
-    "”": "''",
-    "–": "--",
-    "↓": r"$\downarrow$",
-    "↑": r"$\uparrow$",
-    "→": r"$\rightarrow$",
-}
-
-
-def _tex(text: str) -> str:
-    return "".join(_TEX.get(sign, sign) for sign in text)
-
-
-def _md(text: str) -> str:
-    escaped = html.escape(text, quote=False)
-    for sign in "\\`*_[]|":
-        escaped = escaped.replace(sign, f"\\{sign}")
-    return escaped

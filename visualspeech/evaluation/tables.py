@@ -12,6 +12,9 @@ from visualspeech.evaluation.metrics import METRICS, Metric, metric_named
 from visualspeech.evaluation.statistics import BASE_ROW, BootstrapSettings, summarise
 
 ROW_TITLES = {
+    "hmm_monophone": "HMM of phones",
+    "hmm_tied": "HMM of tied triphones",
+    "hmm_mge": "HMM after minimum generation error",
     "training_mean": "Training mean",
     "phone_state_mean": "Mean per phone state",
     "triphone_state_mean": "Mean per triphone state",

@@ -29,8 +29,10 @@ class Content:
     digest: str
 
 
-def content(examples: Sequence, phones: int, name: str) -> Content:
+def content(examples: Sequence, phones: int, name: str, parts: Sequence[int] = ()) -> Content:
     """One pass over utterances of (labels (T, 4), appearance (T, N)); ``name`` (training, validation) is for errors.
+
+    ``parts`` are the numbers of values of what labels say beyond their four indices.
 
     Raises
     ------
@@ -41,7 +43,7 @@ def content(examples: Sequence, phones: int, name: str) -> Content:
         raise DataError(f"there is no {name} utterance to learn from. Add recordings, or change `split`.")
     lengths, total, squares, sha = [], 0.0, 0.0, hashlib.sha256()
     for labels, values in (examples[number] for number in range(len(examples))):
-        check_labels(labels, phones)
+        check_labels(labels, phones, parts)
         if not np.isfinite(values).all():
             raise DataError(f"a {name} utterance holds appearance that is no number; delete the features, run again.")
         lengths.append(len(values))
@@ -66,10 +68,10 @@ def batches(lengths: np.ndarray, size: int, order: np.ndarray) -> list[np.ndarra
 
 
 def batch(examples: Sequence, numbers: np.ndarray, mean: np.ndarray, scale: float):
-    """Labels (N, T, 4), lengths (N,) descending, targets (N, T, outputs); zero beyond an utterance's end."""
+    """Labels (N, T, 4 or more), lengths (N,) descending, targets (N, T, outputs); zero beyond an utterance's end."""
     pairs = [examples[int(number)] for number in numbers]
     lengths = torch.tensor([len(values) for _, values in pairs])
-    labels = torch.zeros(len(pairs), int(lengths[0]), 4, dtype=torch.int64)
+    labels = torch.zeros(len(pairs), int(lengths[0]), pairs[0][0].shape[1], dtype=torch.int64)
     targets = torch.zeros(len(pairs), int(lengths[0]), len(mean))
     for row, (indices, values) in enumerate(pairs):
         labels[row, : len(values)] = torch.tensor(np.asarray(indices, np.int64))

@@ -1,6 +1,6 @@
 """A trained network: what prediction needs and nothing else, in one safetensors file."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import asdict, dataclass, field
 from functools import cached_property
@@ -10,6 +10,7 @@ import numpy as np
 import torch
 
 from visualspeech.errors import DataError
+from visualspeech.features.richer import part_sizes
 from visualspeech.models.blstm import Stack, StackSettings
 from visualspeech.storage import read_model, write_model
 
@@ -39,6 +40,7 @@ class Network:
     rate : frame rate of labels and appearance in Hz
     aam : digest of the appearance model whose parameters are predicted
     about : how it was trained (settings, epochs, digests), for people
+    parts : what its labels say beyond phones and states, of :data:`visualspeech.features.richer.PARTS`
     """
 
     stack: StackSettings
@@ -49,6 +51,7 @@ class Network:
     rate: float
     aam: str = ""
     about: Mapping = field(default_factory=dict)
+    parts: tuple[str, ...] = ()
 
     @property
     def outputs(self) -> int:
@@ -57,19 +60,21 @@ class Network:
 
     @cached_property
     def _module(self) -> Stack:
-        module = Stack(self.stack, len(self.phones), self.outputs)
+        module = Stack(self.stack, len(self.phones), self.outputs, parts=part_sizes(self.parts))
         module.load_state_dict({name: torch.tensor(values) for name, values in self.weights.items()})
         return module.eval()
 
     def predict(self, labels: np.ndarray) -> np.ndarray:
         """Appearance (T, N) float32 of one utterance's labels (T, 4) (left, current, right phone index, state).
 
+        A network of richer labels reads a column more for each of its parts, in their order.
+
         Raises
         ------
         DataError
             There is no frame, or an index is outside the inventory.
         """
-        check_labels(labels, len(self.phones))
+        check_labels(labels, len(self.phones), part_sizes(self.parts))
         with one_thread(), torch.inference_mode():
             indices = torch.tensor(np.asarray(labels, np.int64))[None]
             values = self._module(indices, torch.tensor([len(labels)]))[0].numpy()
@@ -87,6 +92,7 @@ class Network:
             "rate": float(self.rate),
             "aam": self.aam,
             "about": dict(self.about),
+            "parts": list(self.parts),
         }
         write_model(path, {**tensors, "mean": self.mean}, settings)
 
@@ -114,11 +120,14 @@ class Network:
             rate=settings["rate"],
             aam=settings["aam"],
             about=settings["about"],
+            parts=tuple(settings.get("parts", ())),
         )
 
 
-def check_labels(labels: np.ndarray, phones: int) -> None:
-    """Whether labels are (T, 4) indices inside an inventory of ``phones`` phones, with at least one frame.
+def check_labels(labels: np.ndarray, phones: int, parts: Sequence[int] = ()) -> None:
+    """Whether labels are (T, 4 + parts) indices inside an inventory of ``phones`` phones, with at least one frame.
+
+    ``parts`` are the numbers of values of each further part.
 
     Raises
     ------
@@ -126,8 +135,13 @@ def check_labels(labels: np.ndarray, phones: int) -> None:
         They are not.
     """
     labels = np.asarray(labels)
-    if labels.ndim != 2 or labels.shape[1] != 4 or not len(labels):
-        raise DataError(f"labels must be frames of four indices, not an array of shape {labels.shape}.")
+    width = 4 + len(parts)
+    if labels.ndim != 2 or labels.shape[1] != width or not len(labels):
+        raise DataError(
+            f"labels must be frames of {'four' if width == 4 else width} indices, not an array of shape {labels.shape}."
+        )
+    if labels[:, 4:].size and (labels[:, 4:].max(axis=0) >= np.array(parts)).any():
+        raise DataError("labels have parts of other kinds than the model. Delete the label parts and run again.")
     if labels.min() < 0 or labels[:, :3].max() >= phones or labels[:, 3].max() >= 3:
         raise DataError(
             f"labels name phones or states that the inventory of {phones} phones does not have; the features were made "

@@ -11,6 +11,7 @@ import numpy as np
 import torch
 
 from visualspeech.errors import SettingError
+from visualspeech.features.richer import part_sizes
 from visualspeech.jobs import log
 from visualspeech.models.batches import batch, batches, content
 from visualspeech.models.blstm import Stack, StackSettings
@@ -179,6 +180,7 @@ def train(
     checkpoint: str | Path | None = None,
     checkpoint_seconds: float = 10.0,
     aam: str = "",
+    parts: Sequence[str] = (),
 ) -> Training:
     """Train a network on utterances, ending by the validation error, with the weights of the best epoch.
 
@@ -194,6 +196,7 @@ def train(
         was made by this code from these settings and data, training goes on from it. The caller removes it once the
         network is saved.
     aam : digest of the appearance model, kept in the network's file
+    parts : what the labels say beyond phones and states (:data:`visualspeech.features.richer.PARTS`), a column each
 
     Raises
     ------
@@ -203,7 +206,11 @@ def train(
         The error is no longer a finite number.
     """
     settings = settings or TrainingSettings()
-    known = [content(training, len(phones), "training"), content(validation, len(phones), "validation")]
+    sizes = part_sizes(parts)
+    known = [
+        content(examples, len(phones), name, sizes)
+        for examples, name in ((training, "training"), (validation, "validation"))
+    ]
     mean = known[0].mean if settings.scale_targets else np.zeros_like(known[0].mean)
     scale = known[0].deviation if settings.scale_targets else 1.0
     identity = digest(
@@ -211,6 +218,7 @@ def train(
             asdict(stack),
             asdict(settings),
             list(phones),
+            list(parts),
             [part.digest for part in known],
             torch.__version__,
             code_digest(__file__),
@@ -218,7 +226,7 @@ def train(
     )
     with one_thread(), torch.random.fork_rng(devices=[]):
         torch.manual_seed(settings.seed)
-        state = _start(stack, len(phones), len(mean), settings)
+        state = _start(stack, len(phones), len(mean), settings, sizes)
         if checkpoint is not None and read_checkpoint(checkpoint, identity, state):
             log.info("%s: going on after epoch %d", stack.name, len(state.curve))
         saved = told = time.monotonic()
@@ -243,12 +251,15 @@ def train(
         rate=rate,
         aam=aam,
         about={"training": asdict(settings), "epochs": len(state.curve), "best_epoch": state.best_epoch},
+        parts=tuple(parts),
     )
     return Training(network, tuple(state.curve), state.best_epoch)
 
 
-def _start(stack: StackSettings, phones: int, outputs: int, settings: TrainingSettings) -> _State:
-    module = Stack(stack, phones, outputs, settings.dropout)
+def _start(
+    stack: StackSettings, phones: int, outputs: int, settings: TrainingSettings, parts: Sequence[int] = ()
+) -> _State:
+    module = Stack(stack, phones, outputs, settings.dropout, parts)
     if settings.initial_std:
         for weights in module.parameters():
             torch.nn.init.normal_(weights, std=settings.initial_std)

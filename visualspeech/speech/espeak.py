@@ -6,7 +6,7 @@ utterance of a process, and a fault in the C library then ends this process alon
 
 Requests: ``{"say": text, "voice": name, "rate": words a minute, "pitch": 0..100}``, answered by one JSON line
 ``{"rate", "events"}`` and the samples (16 bit, mono); or ``{"pronounce": [words], "voice": name}``, answered by one
-JSON line ``{"pronounced": [[mnemonics of a word], ...]}``.
+JSON line ``{"pronounced": [[mnemonics of a word], ...]}``; with ``"marks": true`` the marks of stress stay in front.
 """
 
 import ctypes
@@ -56,8 +56,8 @@ class Engine:
         if self.library.espeak_SetVoiceByName(voice.encode()) != 0:
             raise ValueError(f"eSpeak NG has no voice {voice!r}")
 
-    def pronounce(self, word: str) -> list[str]:
-        """Phoneme mnemonics of one word, without stress marks."""
+    def pronounce(self, word: str, marks: bool = False) -> list[str]:
+        """Phoneme mnemonics of one word, without or with its marks of stress (``'`` primary, ``,`` secondary)."""
         function = self.library.espeak_TextToPhonemes
         function.restype = ctypes.c_char_p
         pointer = ctypes.c_char_p(word.encode("utf-8"))
@@ -65,7 +65,8 @@ class Engine:
         while pointer.value:
             text = function(ctypes.byref(pointer), UTF8, ord("_") << 8) or b""
             phonemes += text.decode("utf-8", "replace").replace(" ", "_").split("_")
-        return [name for name in (phoneme.strip(STRESS_MARKS) for phoneme in phonemes) if name]
+        phonemes = [phoneme for phoneme in phonemes if phoneme.strip(STRESS_MARKS)]
+        return phonemes if marks else [phoneme.strip(STRESS_MARKS) for phoneme in phonemes]
 
     def say(self, text: str, rate: int, pitch: int) -> tuple[list, bytes]:
         """Events ``["word", sample, first character, characters]`` and ``["phone", sample, mnemonic]``; samples."""
@@ -100,7 +101,9 @@ def main() -> int:
     try:
         engine = Engine(request["voice"])
         if "pronounce" in request:
-            answer, samples = {"pronounced": [engine.pronounce(word) for word in request["pronounce"]]}, b""
+            marks = request.get("marks", False)
+            answer = {"pronounced": [engine.pronounce(word, marks) for word in request["pronounce"]]}
+            samples = b""
         else:
             events, samples = engine.say(request["say"], request["rate"], request["pitch"])
             answer = {"rate": engine.rate, "events": events}

@@ -169,6 +169,30 @@ def _pronounced(words: tuple[str, ...], voice: str) -> tuple[tuple[str, ...], ..
     return tuple(_without_double_r(_merge([(name, i) for i, name in enumerate(m)])) for m in answer["pronounced"])
 
 
+def stresses(words: Iterable[str], voice: str = VOICE) -> dict[str, list[int]]:
+    """Stress of the vowels of several words by one process, by word: 0 none, 1 secondary, 2 primary."""
+    words = tuple(dict.fromkeys(words))
+    return {word: list(marks) for word, marks in zip(words, _stressed(words, voice), strict=True)} if words else {}
+
+
+@lru_cache(maxsize=4096)
+def _stressed(words: tuple[str, ...], voice: str) -> tuple[tuple[int, ...], ...]:
+    spoken = [re.sub(r"[^\w' -]", " ", word.lower()).strip() for word in words]
+    answer, _ = _ask({"pronounce": spoken, "voice": voice, "marks": True})
+    return tuple(_marks(mnemonics) for mnemonics in answer["pronounced"])
+
+
+def _marks(mnemonics: list[str]) -> tuple[int, ...]:
+    """Stress of each vowel; of a mnemonic that is two vowels ("aI@"), the first one has it."""
+    found = []
+    for name in mnemonics:
+        mark = {"'": 2, ",": 1}.get(name[0], 0)
+        # Every vowel's ARPAbet begins with one of these letters, and no consonant's does.
+        vowels = [phone for phone in _phones_of(name.strip(espeak.STRESS_MARKS)) if phone[0] in "aeiou"]
+        found += [mark, *[0] * (len(vowels) - 1)] if vowels else []
+    return tuple(found)
+
+
 def _without_double_r(phones: list[tuple[str, float]]) -> tuple[str, ...]:
     """Inside a word dictionaries write "er" where the voice has "er r" ("around")."""
     names = [phone for phone, _ in phones]

@@ -63,7 +63,7 @@ rule fit_aam:
 rule encode_appearance:
     input:
         aam=f"{RUN}/aam/model.safetensors",
-        textures=f"{RUN}/aam/textures/{{shard}}.h5",
+        textures=FACES,
     output:
         f"{RUN}/aam/parameters/{{shard}}.h5",
     log:

@@ -33,3 +33,23 @@ rule build_features:
         code=code("build_features.py"),
     script:
         "../scripts/build_features.py"
+
+
+# Apart from the features, so that plain networks do not care.
+rule enrich_labels:
+    input:
+        alignment=f"{CORPUS}/alignment/{{shard}}.tsv",
+        features=f"{RUN}/features/{{shard}}.h5",
+    output:
+        f"{RUN}/label_parts/{{shard}}.h5",
+    log:
+        f"{RUN}/logs/enrich_labels/{{shard}}.log",
+    benchmark:
+        f"{RUN}/benchmarks/enrich_labels/{{shard}}.tsv"
+    conda:
+        "../envs/visualspeech.yaml"
+    params:
+        parts=LABEL_PARTS,
+        code=code("enrich_labels.py"),
+    script:
+        "../scripts/enrich_labels.py"

@@ -4,6 +4,7 @@ rule train_network:
         phones=f"{RUN}/phones.tsv",
         aam=f"{RUN}/aam/model.safetensors",
         features=shards(f"{RUN}/features/{{shard}}.h5"),
+        parts=parts_of,
     output:
         network=f"{RUN}/models/{{model}}/network.safetensors",
         curve=f"{RUN}/models/{{model}}/learning_curve.tsv",
@@ -19,7 +20,9 @@ rule train_network:
         # Not an output: it must outlive a killed job, whose outputs are removed before it runs again.
         checkpoint=f"{RUN}/models/{{model}}/checkpoint.safetensors",
         settings=SETTINGS["training"],
-        seed=SEED,
+        b_nodes=SETTINGS["networks"].get("b_nodes", "direction"),
+        seed=lambda wildcards: network_seed(wildcards.model),
+        parts=lambda wildcards: LABEL_PARTS if parse_name(wildcards.model).rich else [],
         code=code("train_network.py"),
     script:
         "../scripts/train_network.py"
@@ -30,6 +33,7 @@ rule predict_network:
         utterances=f"{RUN}/utterances.tsv",
         network=f"{RUN}/models/{{model}}/network.safetensors",
         features=shards(f"{RUN}/features/{{shard}}.h5"),
+        parts=parts_of,
     output:
         f"{RUN}/models/{{model}}/predictions.h5",
     log:

@@ -1,6 +1,7 @@
 rule write_report:
     input:
         table=f"{RUN}/tables/objective.tsv",
+        sheets=expand(f"{RUN}/tables/{{table}}.html", table=[name for name in TABLES if name != "objective"]),
         findings=f"{RUN}/findings.tsv",
         utterances=f"{RUN}/utterances.tsv",
         aam=f"{RUN}/aam/model.safetensors",

@@ -20,7 +20,7 @@ rule measure_model:
 rule tabulate_results:
     input:
         utterances=f"{RUN}/utterances.tsv",
-        metrics=expand(f"{RUN}/models/{{model}}/metrics.tsv", model=MODELS + BASELINES),
+        metrics=expand(f"{RUN}/models/{{model}}/metrics.tsv", model=MODELS + HMM_ROWS + BASELINES),
     output:
         tsv=f"{RUN}/tables/objective.tsv",
         markdown=f"{RUN}/tables/objective.md",

@@ -8,7 +8,7 @@ rule render_videos:
         landmarks=shards(f"{CORPUS}/landmarks/{{shard}}.h5"),
         pose=shards(f"{RUN}/pose/{{shard}}.h5"),
         parameters=shards(f"{RUN}/aam/parameters/{{shard}}.h5"),
-        textures=shards(f"{RUN}/aam/textures/{{shard}}.h5"),
+        textures=shards(FACES),
     output:
         directory(f"{RUN}/videos"),
     log:

@@ -11,13 +11,19 @@ from visualspeech.models.training import train, training_settings
 from visualspeech.provenance import file_digest
 from visualspeech.storage import ArrayCollection, write_table
 
-with job(snakemake.log[0]), ArrayCollection(snakemake.input.features) as features:
+with (
+    job(snakemake.log[0]),
+    ArrayCollection(snakemake.input.features) as features,
+    ArrayCollection(snakemake.input.parts) as parts,
+):
     utterances = read_utterances(snakemake.input.utterances)
+    richer = parts if snakemake.params.parts else None
     training, validation = (
-        Examples(features, [one.id for one in of_split(utterances, split)]) for split in ("train", "validation")
+        Examples(features, [one.id for one in of_split(utterances, split)], parts=richer)
+        for split in ("train", "validation")
     )
     result = train(
-        parse_stack(snakemake.wildcards.model),
+        parse_stack(snakemake.wildcards.model, snakemake.params.b_nodes),
         read_phones(snakemake.input.phones),
         training,
         validation,
@@ -25,6 +31,7 @@ with job(snakemake.log[0]), ArrayCollection(snakemake.input.features) as feature
         settings=training_settings(**snakemake.params.settings, seed=snakemake.params.seed),
         checkpoint=snakemake.params.checkpoint,
         aam=file_digest(snakemake.input.aam),
+        parts=snakemake.params.parts,
     )
     write_table(snakemake.output.curve, result.curve_table())
     result.network.save(snakemake.output.network)

@@ -3,6 +3,7 @@
 from visualspeech.corpora.table import read_split, read_utterances
 from visualspeech.evaluation import gathering
 from visualspeech.evaluation.report import ReportContent, render_report
+from visualspeech.evaluation.sheets import fragment_of
 from visualspeech.evaluation.table_formats import from_tsv
 from visualspeech.face.aam.model import Aam
 from visualspeech.face.aam.reference import Reference
@@ -23,6 +24,7 @@ with job(snakemake.log[0]), ArrayCollection(source.features) as features:
         utterances=sizes,
         frames=frames,
         tables=(from_tsv(read_text(source.table)),),
+        sheets=tuple(fragment_of(read_text(path)) for path in source.sheets),
         learning_curves=gathering.learning_curves(source.curves),
         trajectories=gathering.trajectory_pictures(utterances, features, source.predictions, source.alignment, 3),
         modes=gathering.aam_modes(Aam.load(source.aam), Reference.load(source.reference)),

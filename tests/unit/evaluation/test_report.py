@@ -160,3 +160,9 @@ def test_evaluation_does_not_load_torch():
         "sys.exit('torch' in sys.modules)"
     )
     assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
+
+
+def test_further_tables_stand_with_the_results():
+    text = render_report(content(sheets=('<figure class="result-table">one</figure>',)))
+    results = text[text.index('id="results"') : text.index("</section>", text.index('id="results"'))]
+    assert '<figure class="result-table">one</figure>' in results

@@ -1,0 +1,70 @@
+"""A voice-ready speaker whose face is drawn, for tests of speaking: small models, two short recordings."""
+
+from pathlib import Path
+
+import numpy as np
+import torch
+
+from tests.unit.animation.faces import draw
+from tests.unit.face import heads
+from visualspeech.animation.background import write_background
+from visualspeech.animation.bundle import FILES, describe_bundle
+from visualspeech.face.aam.model import AamSettings, fit
+from visualspeech.face.aam.points import lower_face, to_vector
+from visualspeech.face.aam.reference import ReferenceSettings, fit_reference, sample_textures
+from visualspeech.face.aam.rows import ArrayRows
+from visualspeech.face.drift import FaceReference
+from visualspeech.face.pose import estimate, fit_head, to_frontal
+from visualspeech.features.richer import part_sizes
+from visualspeech.models.blstm import Stack, StackSettings
+from visualspeech.models.network import Network
+from visualspeech.provenance import file_digest
+from visualspeech.speech.phones import PHONES
+
+CONSENT = "Drawn; it is nobody."
+LENGTHS = (40, 30)
+
+
+def make(folder: Path, phones=PHONES, rate: float = 25.0, seed: int = 4) -> Path:
+    """Write a bundle; its network has random weights, and says nothing sensible."""
+    folder.mkdir(parents=True)
+    points = heads.record(sum(LENGTHS), seed=seed, mouth=5).points
+    recordings = np.split(points, [LENGTHS[0]])
+    head = fit_head(points, heads.SIZE)
+    frontal = lower_face(to_frontal(points, estimate(points, head), head))
+    reference = fit_reference([frontal], ReferenceSettings(texture_pixels=1200))
+    textures = sample_textures((draw(one) for one in points), lower_face(points), reference)
+    components = {"components": 6}
+    settings = AamSettings(shape=components, texture=components, appearance=components)
+    shapes = to_vector(frontal)
+    zero = FaceReference(np.zeros(102, np.float32), np.zeros(textures.shape[1], np.float32))
+    aam = fit(shapes, ArrayRows(textures.astype(np.float32)), settings, zero)
+    appearance = aam.encode(shapes, textures).appearance
+    head.save(folder / FILES["head"])
+    aam.save(folder / FILES["aam"])
+    reference.save(folder / FILES["reference"])
+    network(aam.appearance_components.shape[0], appearance, phones, rate, file_digest(folder / FILES["aam"])).save(
+        folder / FILES["network"]
+    )
+    write_background(
+        folder / FILES["background"],
+        (
+            (f"r{i}", f"r{i}.mp4", (draw(p) for p in one), one, estimate(one, head), zero, rate)
+            for i, one in enumerate(recordings)
+        ),
+    )
+    describe_bundle(folder, phones, {"aa": (0.2, 0.5, 0.3)}, appearance.mean(axis=0), "drawn", "F-4", CONSENT)
+    return folder
+
+
+def network(outputs: int, appearance: np.ndarray, phones, rate: float, aam: str, parts=()) -> Network:
+    """A network whose answers spread as the appearance (T, outputs) of the recordings does."""
+    torch.manual_seed(0)
+    stack = StackSettings("F", 4)
+    weights = {
+        name: values.numpy()
+        for name, values in Stack(stack, len(phones), outputs, parts=part_sizes(parts)).state_dict().items()
+    }
+    return Network(
+        stack, tuple(phones), weights, appearance.mean(axis=0), float(appearance.std()), rate, aam, parts=parts
+    )

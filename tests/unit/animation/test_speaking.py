@@ -1,0 +1,207 @@
+import json
+from itertools import islice
+
+import av
+import numpy as np
+import pytest
+
+from tests.unit.animation import speakers
+from visualspeech.animation.bundle import FILES, SpeakerBundle, check_together, rest_of, resting_frames
+from visualspeech.animation.speaking import (
+    SpeakSettings,
+    in_phones_of,
+    pause_weights,
+    perform,
+    scene,
+    speak,
+    speaking_frames,
+)
+from visualspeech.errors import DataError, SettingError, StorageError
+from visualspeech.face.aam.points import INNER_LIPS, to_points
+from visualspeech.media import probe, read_audio, read_frames
+from visualspeech.speech.alignment import to_table
+from visualspeech.speech.phones import PHONES
+from visualspeech.speech.spoken import Spoken, VoiceSettings, speak_text, timed
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    return speakers.make(tmp_path_factory.mktemp("speaker") / "made")
+
+
+@pytest.fixture(scope="module")
+def bundle(folder):
+    return SpeakerBundle.load(folder)
+
+
+@pytest.fixture
+def copy(folder, tmp_path):
+    import shutil
+
+    return shutil.copytree(folder, tmp_path / "copy")
+
+
+def test_a_speaker_loads_with_all_that_belongs_to_it(bundle):
+    assert (bundle.corpus, bundle.model, bundle.consent) == ("drawn", "F-4", speakers.CONSENT)
+    assert bundle.network.phones == PHONES and bundle.shares["aa"] == (0.2, 0.5, 0.3)
+    assert len(bundle.background) == sum(speakers.LENGTHS) and len(bundle.digest) == 12
+
+
+def test_parts_of_two_speakers_are_not_mixed(copy, tmp_path):
+    other = speakers.make(tmp_path / "other", seed=5)
+    (copy / FILES["aam"]).write_bytes((other / FILES["aam"]).read_bytes())
+    with pytest.raises(DataError, match="aam.safetensors is not the file that this speaker was made of"):
+        SpeakerBundle.load(copy)
+    # Somebody who mends the digests as well still does not get a network of another appearance model.
+    about = json.loads((copy / "speaker.json").read_text())
+    about["parts"]["aam"] = json.loads((other / "speaker.json").read_text())["parts"]["aam"]
+    (copy / "speaker.json").write_text(json.dumps(about))
+    with pytest.raises(DataError, match="trained for another appearance model"):
+        SpeakerBundle.load(copy)
+
+
+def test_folders_that_are_no_speaker(copy, tmp_path):
+    with pytest.raises(StorageError, match="holds no speaker.json"):
+        SpeakerBundle.load(tmp_path)
+    about = json.loads((copy / "speaker.json").read_text())
+    for text, said in [
+        ("{", "damaged"),
+        ("{}", "does not describe"),
+        (json.dumps(about | {"version": 9}), "version 9"),
+    ]:
+        (copy / "speaker.json").write_text(text)
+        with pytest.raises(StorageError, match=said):
+            SpeakerBundle.load(copy)
+    (copy / "speaker.json").write_text(json.dumps(about))
+    (copy / FILES["head"]).unlink()
+    with pytest.raises(StorageError, match="lacks head.safetensors"):
+        SpeakerBundle.load(copy)
+
+
+def test_a_network_for_other_phones_is_refused(bundle):
+    with pytest.raises(DataError, match="trained for other phones .*; zh in one of them alone"):
+        check_together(bundle.network, bundle.speaker, bundle.network.aam, PHONES[:-1])
+    with pytest.raises(DataError, match="in another order"):
+        check_together(bundle.network, bundle.speaker, bundle.network.aam, PHONES[::-1])
+
+
+def test_the_face_at_rest_is_that_of_silence_away_from_speech():
+    rows = to_table({"a": timed([("sil", 0, 0.4), ("aa", 0.4, 0.8), ("sil", 0.8, 1.2)])})
+    found = resting_frames(rows, 30, 25.0, away=0.11)
+    times = (np.arange(30) + 0.5) / 25
+    assert np.array_equal(found, (times < 0.29) | (times > 0.91))
+    assert np.allclose(rest_of([np.ones((3, 2)), np.zeros((1, 2))]), 0.75)
+    with pytest.raises(DataError, match="no silence"):
+        rest_of([np.zeros((0, 2))])
+
+
+def test_pauses_are_at_rest_and_speech_is_not():
+    alignment = timed([("sil", 0, 0.4), ("aa", 0.4, 0.8), ("sil", 0.8, 1.6), ("b", 1.6, 1.8), ("sil", 1.8, 2.4)])
+    weight = pause_weights(alignment, 60, 25.0, 0.2)
+    times = (np.arange(60) + 0.5) / 25
+    speech = ((times > 0.4) & (times < 0.8)) | ((times > 1.6) & (times < 1.8))
+    assert (weight[speech] == 0).all()
+    assert (weight[(times < 0.2) | ((times > 1.01) & (times < 1.39)) | (times > 2.01)] == 1).all()
+    assert np.abs(np.diff(weight)).max() < 0.35
+
+
+def test_the_mouth_is_at_rest_in_silence(bundle):
+    """Wherever nobody speaks for long the lips are as far apart as at rest, whatever the network says there."""
+    performance = perform(speak_text("Mama. Papa and more."), bundle.network, bundle.rest)
+    aam = bundle.speaker.aam
+
+    def opening(appearance):
+        points = to_points(aam.decode(np.atleast_2d(appearance))[0])[:, INNER_LIPS]
+        return points[:, 6, 1] - points[:, 2, 1]
+
+    spoken = list(speak_text("Mama. Papa and more."))
+    quiet, start = [], 0
+    for one in spoken:
+        frames = int(np.ceil(len(one.samples) / one.rate * 25 - 1e-6))
+        quiet.append(pause_weights(one.alignment, frames, 25.0, SpeakSettings().rest) == 1)
+        start += frames
+    quiet = np.concatenate(quiet)
+    assert len(quiet) == len(performance.appearance) and 10 < quiet.sum() < len(quiet)
+    assert np.allclose(opening(performance.appearance[quiet]), opening(bundle.rest), atol=1e-3)
+    assert np.abs(opening(performance.appearance[~quiet]) - opening(bundle.rest)).max() > 0.05
+
+
+def test_sound_and_picture_are_of_one_length(bundle):
+    texts = "One. Two three. Four five six. Seven."
+    performance = perform(speak_text(texts, VoiceSettings(pause=0.3111)), bundle.network, bundle.rest)
+    assert performance.text == texts
+    assert abs(len(performance.samples) / performance.audio_rate - performance.seconds) < 1e-3
+    # The sound of each sentence is where its frames are: nothing is lost or moved by more than a frame a text.
+    plain = np.concatenate([one.samples for one in speak_text(texts, VoiceSettings(pause=0.3111))])
+    assert 0 <= len(performance.samples) - len(plain) <= 4 * performance.audio_rate / 25
+    assert np.square(performance.samples).sum() == pytest.approx(np.square(plain).sum(), rel=1e-4)
+
+
+def test_a_network_of_richer_labels_speaks_too(bundle):
+    parts = ("position_in_syllable", "position_in_word", "stress")
+    rich = speakers.network(bundle.network.outputs, bundle.rest[None] * [[1.0], [1.1]], PHONES, 25.0, "", parts)
+    performance = perform(speak_text("A happy map."), rich, bundle.rest)
+    assert performance.appearance.shape[1] == bundle.network.outputs
+
+
+def test_phones_that_the_model_lacks_are_replaced_or_refused(bundle):
+    alignment = timed([("sil", 0, 0.1), ("zh", 0.1, 0.2), ("oy", 0.2, 0.4)])
+    renamed, replaced = in_phones_of(alignment, [phone for phone in PHONES if phone not in ("zh", "oy")])
+    assert replaced == {"zh": "jh", "oy": "ao"}
+    assert [phone.label for phone in renamed.phones] == ["sil", "jh", "ao"]
+    assert in_phones_of(alignment, PHONES) == (alignment, {})
+    with pytest.raises(SettingError, match="not those of the voice"):
+        in_phones_of(alignment, ["SIL", "X"])
+
+
+def test_a_scene_is_mixed_in_all_its_parts_alike(bundle):
+    made = scene(bundle.background, 400)
+    background = bundle.background
+    mixed = next(i for i, mix in enumerate(made.way) if mix.share)
+    frame, other, share = made.way[mixed]
+    expected = (1 - share) * background.landmarks[frame] + share * background.landmarks[other]
+    assert np.allclose(made.landmarks[mixed], expected, atol=1e-3)
+    assert np.allclose(made.clips.sum(axis=1), 1)
+    steps = np.linalg.norm(np.diff(made.landmarks[:, 27:31].mean(axis=1), axis=0), axis=1)
+    recorded = [np.diff(background.landmarks[background.clip == i][:, 27:31].mean(axis=1), axis=0) for i in range(2)]
+    assert steps.max() < 2 * max(np.linalg.norm(step, axis=1).max() for step in recorded)
+
+
+def test_pictures_are_made_one_at_a_time(bundle):
+    stream = speaking_frames(np.repeat(bundle.rest[None], 100_000, axis=0)[:3000], bundle)
+    first = list(islice(stream, 3))
+    assert len(first) == 3 and first[0].shape == (288, 360, 3)
+
+
+def test_the_video_has_sound_and_says_what_it_is(bundle, tmp_path):
+    path = tmp_path / "out.mp4"
+    performance = perform(speak_text("Hello."), bundle.network, bundle.rest)
+    speak(path, performance, bundle, "synthetic (test)")
+    info = probe(path)
+    assert info.rate == 25 and info.audio_rate == performance.audio_rate
+    assert len(list(read_frames(path))) == len(performance.appearance)
+    assert np.abs(read_audio(path, 16_000)).max() > 0.05
+    with av.open(str(path)) as file:
+        said = dict(file.metadata)
+    assert "SYNTHETIC" in said["comment"] and "nobody" in said["comment"] and "Voice: synthetic" in said["comment"]
+    assert (said["synthetic"], said["model"], said["corpus"], said["text"]) == ("yes", "F-4", "drawn", "Hello.")
+    again = tmp_path / "again.mp4"
+    speak(again, performance, bundle, "synthetic (test)")
+    assert again.read_bytes() == path.read_bytes()
+
+
+def test_the_label_can_be_left_out(bundle):
+    rest = np.repeat(bundle.rest[None], 2, axis=0)
+    with_label, without = (next(speaking_frames(rest, bundle, SpeakSettings(label=label))) for label in (True, False))
+    assert np.abs(with_label.astype(int) - without)[-20:, -90:].max() > 60
+    assert np.array_equal(with_label[:200], without[:200])
+
+
+def test_what_cannot_be_shown(bundle):
+    with pytest.raises(DataError, match="nothing to say"):
+        perform([], bundle.network, bundle.rest)
+    one, other = (Spoken("a", np.zeros(rate, np.float32), rate, timed([("sil", 0, 1)])) for rate in (16_000, 22_050))
+    with pytest.raises(DataError, match="16000 Hz, another of 22050"):
+        perform([other, one], bundle.network, bundle.rest)
+    with pytest.raises(SettingError, match="rest"):
+        SpeakSettings(rest=0)

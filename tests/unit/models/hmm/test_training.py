@@ -1,0 +1,125 @@
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from tests.unit.models.hmm.speech import PHONES, utterances
+from visualspeech.errors import DataError, SettingError, StorageError
+from visualspeech.models.hmm.chains import even_states
+from visualspeech.models.hmm.model import Hmm, HmmSettings
+from visualspeech.models.hmm.statistics import Gaussians, accumulate, prepare
+from visualspeech.models.hmm.training import fit_monophones, fit_tied
+from visualspeech.models.hmm.tying import monophones
+
+SMALL = HmmSettings(states=3, rate=50.0, min_frames=4, mdl=0.5)
+TRAINING, TEST = utterances(30), utterances(10, seed=7)
+
+
+@pytest.fixture(scope="module")
+def monophone():
+    return fit_monophones(TRAINING, PHONES, SMALL, "digest")
+
+
+@pytest.fixture(scope="module")
+def tied(monophone):
+    return fit_tied(monophone, TRAINING)
+
+
+def error(hmm, examples=TEST):
+    return np.mean([np.mean((hmm.predict(track, len(seen), rate) - seen) ** 2) for track, seen, rate in examples])
+
+
+def likelihoods(hmm, stage):
+    return [value for name, _, figure, value in hmm.about["history"] if (name, figure) == (stage, "log_likelihood")]
+
+
+def test_baum_welch_never_lowers_the_likelihood(monophone, tied):
+    for hmm, stage in ((monophone, "monophone"), (tied, "tied")):
+        found = likelihoods(hmm, stage)
+        assert len(found) == getattr(SMALL, f"{stage}_iterations")
+        assert np.all(np.diff(found) > -1e-6 * np.abs(found[1:]))
+
+
+def test_even_start_against_means_frame_by_frame():
+    tying = monophones(len(PHONES), 3)
+    stay = np.full((len(PHONES), 3), 0.5)
+    sums = accumulate(TRAINING, tying.find, tying.gaussians, None, stay, 50.0, 2)
+    groups = {}
+    for example in TRAINING:
+        one = prepare(example, 50.0, 2)
+        phones = np.repeat(one.triphones[:, 1], one.lengths)
+        for phone, state, seen in zip(phones, even_states(one.lengths, 3), one.seen, strict=True):
+            groups.setdefault(3 * phone + state, []).append(seen)
+    prior = Gaussians(np.zeros((18, 6)), np.ones((18, 6)), np.ones(18), np.ones(18))
+    found = sums.gaussians(np.zeros(6), prior, weight=0)
+    for number, rows in groups.items():
+        assert np.allclose(found.mean[number], np.mean(rows, axis=0))
+        assert np.allclose(found.variance[number], np.var(rows, axis=0), rtol=1e-6)
+        assert sums.occupancy[number] == len(rows)
+
+
+def test_densities_against_scipy():
+    from scipy.stats import norm
+
+    generator = np.random.default_rng(0)
+    gaussians = Gaussians(generator.normal(size=(7, 4)), generator.uniform(0.5, 2, size=(7, 4)), *np.ones((2, 7)))
+    seen, chosen = generator.normal(size=(5, 4)), generator.integers(0, 7, size=(5, 3))
+    expected = norm.logpdf(seen[:, None], gaussians.mean[chosen], np.sqrt(gaussians.variance[chosen])).sum(axis=-1)
+    assert np.allclose(gaussians.log_density(seen, chosen), expected)
+
+
+def test_tied_triphones_beat_monophones_and_those_the_mean(monophone, tied):
+    values = np.concatenate([seen for _, seen, _ in TRAINING])
+    mean = np.mean([np.mean((seen - values.mean(axis=0)) ** 2) for _, seen, _ in TEST])
+    assert error(tied) < 0.9 * error(monophone) < 0.9 * 0.7 * mean
+    assert monophone.tying.gaussians == len(PHONES) * 3
+    assert tied.tying.gaussians < 3 * tied.about["triphones"]
+
+
+def test_same_input_same_bytes(tied, tmp_path):
+    tied.save(tmp_path / "one")
+    fit_tied(fit_monophones(TRAINING, PHONES, SMALL, "digest"), TRAINING).save(tmp_path / "two")
+    assert (tmp_path / "one").read_bytes() == (tmp_path / "two").read_bytes()
+
+
+def test_save_and_load(tied, tmp_path):
+    tied.save(tmp_path / "hmm.safetensors")
+    loaded = Hmm.load(tmp_path / "hmm.safetensors")
+    track, seen, rate = TEST[0]
+    assert np.array_equal(loaded.predict(track, len(seen), rate), tied.predict(track, len(seen), rate))
+    assert (loaded.kind, loaded.settings, loaded.phones, loaded.aam) == ("tied", SMALL, PHONES, "digest")
+    assert len(loaded.history_table()) == SMALL.monophone_iterations + SMALL.tied_iterations
+    with pytest.raises(StorageError):
+        Hmm.load(tmp_path / "nothing")
+
+
+def test_prediction_at_any_rate_and_length(tied):
+    track, seen, rate = TEST[0]
+    whole = tied.predict(track, len(seen), rate)
+    assert whole.dtype == np.float32 and whole.shape == seen.shape
+    double = tied.predict(track, 2 * len(seen), 2 * rate)
+    assert np.abs((double[::2] + double[1::2]) / 2 - whole).max() < 0.2 * seen.std()
+    assert tied.predict(track, 1, rate).shape == (1, 2)
+
+
+def test_a_stream_at_the_rate_of_the_hmms():
+    hmm = fit_monophones(TRAINING[:5], PHONES, replace(SMALL, rate=25.0))
+    assert np.isfinite(error(hmm))
+
+
+def test_data_that_does_not_fit(tied):
+    with pytest.raises(DataError, match="no training utterance"):
+        fit_monophones([], PHONES, SMALL)
+    track, seen, rate = TRAINING[0]
+    with pytest.raises(DataError, match="no number"):
+        fit_monophones([(track, seen * np.nan, rate)], PHONES, SMALL)
+    with pytest.raises(DataError, match="does not have"):
+        replace(tied, phones=PHONES[:2]).predict(track, 5, rate)
+    with pytest.raises(DataError, match="no frame"):
+        tied.predict(track, 0, rate)
+
+
+@pytest.mark.parametrize("change", [{"states": 0}, {"rate": 0}, {"mdl": -1}, {"mge_epochs": 0}])
+def test_settings_out_of_range_are_named(change):
+    with pytest.raises(SettingError, match=f"hmm.{next(iter(change))}"):
+        HmmSettings(**change)

@@ -1,0 +1,110 @@
+import numpy as np
+import pytest
+
+from visualspeech.models.hmm.questions import questions
+from visualspeech.models.hmm.tying import Cases, grow, log_likelihood, monophones
+
+PHONES = ("sil", "aa", "b", "iy", "m")
+FLOOR = np.full(2, 1e-3)
+
+
+def frames_of(triphones, seed=0):
+    """Frames of every triphone, which differ by the current phone and by whether a bilabial follows."""
+    generator = np.random.default_rng(seed)
+    bilabial = np.isin(triphones[:, 2], [2, 4])
+    centre = np.stack([3.0 * (triphones[:, 1] == 1), 2.0 * bilabial], axis=1)
+    return [generator.normal(mean, 0.5, size=(generator.integers(5, 12), 2)) for mean in centre]
+
+
+def cases_of(triphones, frames, state=0):
+    return Cases(
+        triphones,
+        np.full(len(triphones), state),
+        np.array([float(len(rows)) for rows in frames]),
+        np.array([rows.sum(axis=0) for rows in frames]),
+        np.array([(rows**2).sum(axis=0) for rows in frames]),
+    )
+
+
+def all_triphones(number=40, seed=1):
+    generator = np.random.default_rng(seed)
+    return np.unique(generator.integers(0, len(PHONES), size=(number, 3)), axis=0)
+
+
+def plain_likelihood(rows):
+    """Frame by frame, under the Gaussian of these frames."""
+    variance = np.maximum(rows.var(axis=0), FLOOR)
+    return -0.5 * (np.log(2 * np.pi * variance) + (rows - rows.mean(axis=0)) ** 2 / variance).sum()
+
+
+def plain_tree(triphones, frames, asked, least, cost):
+    """The leaves of the tree, as sets of triphones, by trying every question on the frames themselves."""
+    rows = np.concatenate(frames)
+    best = (cost, None)
+    for question in range(len(asked.names)):
+        yes = asked.answers(triphones)[question]
+        parts = [[rows for rows, said in zip(frames, yes, strict=True) if said == answer] for answer in (False, True)]
+        if min(sum(map(len, part)) for part in parts) < least:
+            continue
+        gain = sum(plain_likelihood(np.concatenate(part)) for part in parts) - plain_likelihood(rows)
+        if gain > best[0] + 1e-9:
+            best = (gain, yes)
+    if best[1] is None:
+        return [sorted(map(tuple, triphones.tolist()))]
+    leaves = []
+    for answer in (False, True):
+        chosen = np.flatnonzero(best[1] == answer)
+        leaves += plain_tree(triphones[chosen], [frames[at] for at in chosen], asked, least, cost)
+    return leaves
+
+
+@pytest.mark.parametrize(("mdl", "least"), [(1.0, 5), (0.2, 10), (0.01, 5)])
+def test_trees_against_brute_force(mdl, least):
+    triphones = all_triphones()
+    frames = frames_of(triphones)
+    asked = questions(PHONES)
+    tying = grow(cases_of(triphones, frames), asked, len(PHONES), 1, FLOOR, least, mdl)
+    cost = mdl * 2 * np.log(sum(map(len, frames)))
+    expected = plain_tree(triphones, frames, asked, least, cost)
+    found = tying.find(triphones)[:, 0]
+    leaves = [sorted(map(tuple, triphones[found == leaf].tolist())) for leaf in range(tying.gaussians)]
+    assert sorted(leaves) == sorted(expected)
+    assert mdl < 1 or tying.gaussians == 4
+
+
+def test_triphones_never_seen_follow_their_answers():
+    every = np.stack(np.meshgrid(*[np.arange(len(PHONES))] * 3, indexing="ij"), axis=-1).reshape(-1, 3)
+    seen = every[np.arange(len(every)) % 7 > 0]
+    tying = grow(cases_of(seen, frames_of(seen)), questions(PHONES), len(PHONES), 1, FLOOR, 5, 1.0)
+    kind = 2 * (every[:, 1] == 1) + np.isin(every[:, 2], [2, 4])
+    leaf = tying.find(every)[:, 0]
+    assert len({(a, b) for a, b in zip(kind.tolist(), leaf.tolist(), strict=True)}) == 4
+
+
+def test_a_tree_for_each_phone_never_mixes_phones():
+    triphones = all_triphones(60)
+    asked = questions(PHONES)
+    tying = grow(cases_of(triphones, frames_of(triphones)), asked, len(PHONES), 1, FLOOR, 5, 1.0, of_each_phone=True)
+    leaf = tying.find(triphones)[:, 0]
+    for number in range(tying.gaussians):
+        assert len(np.unique(triphones[leaf == number, 1])) <= 1
+
+
+def test_states_have_trees_of_their_own():
+    triphones = all_triphones(40)
+    both = [cases_of(triphones, frames_of(triphones, seed), seed) for seed in (0, 1)]
+    joined = Cases(*(np.concatenate([getattr(part, name) for part in both]) for name in Cases.__dataclass_fields__))
+    tying = grow(joined, questions(PHONES), len(PHONES), 2, FLOOR, 5)
+    found = tying.find(triphones)
+    assert not set(found[:, 0].tolist()) & set(found[:, 1].tolist())
+    assert sorted(set(found.ravel().tolist())) == list(range(tying.gaussians))
+
+
+def test_monophones():
+    found = monophones(4, 5).find(np.array([[0, 2, 1], [3, 2, 0], [1, 0, 2]]))
+    assert found.tolist() == [[10, 11, 12, 13, 14], [10, 11, 12, 13, 14], [0, 1, 2, 3, 4]]
+
+
+def test_log_likelihood_against_the_frames():
+    rows = np.random.default_rng(0).normal(size=(50, 2)) * [1, 1e-4]
+    assert np.isclose(log_likelihood(50.0, rows.sum(axis=0), (rows**2).sum(axis=0), FLOOR), plain_likelihood(rows))

@@ -1,0 +1,71 @@
+"""Tables of a finished run, and what seeds, widths and richer labels make the workflow do."""
+
+import shutil
+
+import yaml
+
+from tests.workflow.running import TINY, snakemake
+from visualspeech.storage import read_table
+
+
+def overlay(tmp_path, changes):
+    path = tmp_path / "overlay.yaml"
+    path.write_text(yaml.safe_dump(changes))
+    return (TINY, path)
+
+
+def planned(folder, target, configfiles):
+    done = snakemake(folder, "--dry-run", target, configfiles=configfiles)
+    assert done.returncode == 0, done.stdout
+    return done.stdout
+
+
+def test_every_table_is_there_in_four_forms(tiny_run):
+    folder = tiny_run / "results" / "tiny" / "fan2015" / "tables"
+    for name in ("objective", "topologies", "comparisons", "systems"):
+        for suffix in ("tsv", "md", "tex", "html"):
+            assert (folder / f"{name}.{suffix}").stat().st_size > 100
+    assert "156.502" in (folder / "topologies.md").read_text()
+    report = (tiny_run / "results" / "tiny" / "report.html").read_text()
+    assert "156.502" in report and "RMSE(shape): which differences are real" in report
+
+
+def test_a_second_seed_trains_only_itself(tiny_run, tmp_path):
+    out = planned(tiny_run, "tables", overlay(tmp_path, {"networks": {"seeds": [1, 7]}}))
+    assert out.count("rule train_network:") == 1 and "models/FB-16-s7/network.safetensors" in out
+
+
+def test_richer_labels_train_only_networks_of_them(tiny_run, tmp_path):
+    out = planned(tiny_run, "tables", overlay(tmp_path, {"networks": {"richer": ["FB-16"]}}))
+    assert out.count("rule train_network:") == 1 and "models/FB-16-rich/network.safetensors" in out
+    assert out.count("rule enrich_labels:") == 2 and "rule build_features:" not in out
+
+
+def test_the_other_reading_of_widths_trains_anew(tiny_run, tmp_path):
+    out = planned(tiny_run, "models", overlay(tmp_path, {"networks": {"b_nodes": "layer"}}))
+    assert out.count("rule train_network:") == 1 and "rule train_hmm:" not in out
+
+
+def test_a_preference_test_is_a_target(tiny_run, tmp_path):
+    done = snakemake(tiny_run, "preference", configfiles=overlay(tmp_path, {"preference": {"count": 1}}))
+    assert done.returncode == 0, done.stdout[-3000:]
+    run = tiny_run / "results" / "tiny" / "fan2015"
+    assert [path.name for path in (run / "preference" / "videos").iterdir()] == ["01.mp4"]
+    key = read_table(run / "preference_key.tsv", ("utterance", "A", "B"))
+    assert {key["A"][0], key["B"][0]} == {"FB-16", "hmm_mge"}
+    answers = tmp_path / "answers.tsv"
+    answers.write_text(f"listener\tpair\tanswer\nx\t1\t{'A' if key['A'][0] == 'FB-16' else 'B'}\n")
+    changes = {"preference": {"count": 1, "answers": str(answers)}}
+    done = snakemake(tiny_run, "tally_preference", configfiles=overlay(tmp_path, changes))
+    assert done.returncode == 0, done.stdout[-3000:]
+    assert "100.0%" in (run / "tables" / "preference.md").read_text()
+    for path in (run / "tables").glob("preference.*"):
+        path.unlink()
+    (run / "preference_key.tsv").unlink()
+    shutil.rmtree(run / "preference")
+
+
+def test_unknown_models_of_a_preference_test_are_named(tiny_run, tmp_path):
+    changes = {"preference": {"models": ["FB-16", "FB-17"]}}
+    done = snakemake(tiny_run, "--dry-run", "preference", configfiles=overlay(tmp_path, changes))
+    assert done.returncode != 0 and "`preference.models: FB-17` is not there. Known: FB-16" in done.stdout

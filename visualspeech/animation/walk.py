@@ -1,0 +1,146 @@
+"""An endless way through a few recorded seconds without a visible jump.
+
+Frames are played forwards and backwards. Before a recording ends, the way turns round or goes over to another place, of
+the same or of another recording, where the frames look alike (A. Schodl et al. 2000, Video textures). Every change is
+spread over some frames, in which the pictures of both ways are mixed: a movement that turns round comes to rest first,
+and what distance is left is shared out. Places are chosen by the mean distance over these frames, so that a place where
+the head turns fast, or blinks, is not chosen.
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+
+from visualspeech.errors import DataError, SettingError
+
+
+class Mix(NamedTuple):
+    """One frame of the way: ``frame``, or where ``share`` is above 0 a mixture with so much of ``other``."""
+
+    frame: int
+    other: int
+    share: float
+
+
+@dataclass(frozen=True)
+class WalkSettings:
+    """How the way is taken.
+
+    Parameters
+    ----------
+    mixed : frames over which a change is spread, on each side of it
+    least : seconds between two changes, where the recordings are long enough
+    unseen : distance up to which a change cannot be seen, where an ordinary step from frame to frame is 2. Of all such
+        changes at hand one is taken by chance, for what repeats itself is seen; where there is none, the best
+    seed : of that chance
+    """
+
+    mixed: int = 6
+    least: float = 1.2
+    unseen: float = 6.0
+    seed: int = 0
+
+    def __post_init__(self) -> None:
+        if not (isinstance(self.mixed, int) and self.mixed >= 0):
+            raise SettingError(f"mixed is {self.mixed!r}; give a number of frames, 0 or more (6 serves).")
+        for name in ("least", "unseen"):
+            if not getattr(self, name) >= 0:
+                raise SettingError(f"{name} is {getattr(self, name)!r}; give 0 or more.")
+
+
+def changes(distances: np.ndarray, clip: np.ndarray, mixed: int) -> tuple[np.ndarray, np.ndarray]:
+    """What it costs to go over from each frame to each other.
+
+    Parameters
+    ----------
+    distances : (n, n) between frames
+    clip : (n,) recording of each frame, ascending
+    mixed : frames on each side of a change
+
+    Returns
+    -------
+    same, turned : (n, n); the cost of going over from frame i to frame j, going on in the same direction or in the
+        other: the mean distance over the 2 ``mixed`` + 1 frames around, infinite where a recording ends before. Both
+        hold for either direction of time.
+    """
+    count = len(distances)
+    first, last = np.searchsorted(clip, clip), np.searchsorted(clip, clip, side="right") - 1
+    place = np.arange(count)
+    inside = (place - first >= mixed) & (last - place >= mixed)
+    result = []
+    for sign in (1, -1):
+        total = np.zeros((count, count))
+        for step in range(-mixed, mixed + 1):
+            total += distances[np.ix_(_clipped(place + step, count), _clipped(place + sign * step, count))]
+        total /= 2 * mixed + 1
+        total[~inside] = np.inf
+        total[:, ~inside] = np.inf
+        result.append(total)
+    np.fill_diagonal(result[0], np.inf)
+    return result[0], result[1]
+
+
+def walk(distances: np.ndarray, clip: np.ndarray, rate: float, settings: WalkSettings | None = None) -> Iterator[Mix]:
+    """Frames without end.
+
+    Parameters
+    ----------
+    distances : (n, n), of :func:`visualspeech.animation.background.frame_distances`
+    clip : (n,) recording of each frame, ascending
+    rate : frames a second
+
+    Raises
+    ------
+    DataError
+        There is no frame.
+    """
+    settings = settings or WalkSettings()
+    if not len(clip):
+        raise DataError("there are no background frames to walk through.")
+    first, last = np.searchsorted(clip, clip), np.searchsorted(clip, clip, side="right") - 1
+    longest = int((last - first).max()) + 1
+    if longest < 3:
+        while True:
+            yield Mix(0, 0, 0.0)
+    # A change needs `mixed` frames on each side, and the way from one to the next fits three times into a recording:
+    # so there always is a place to go over to.
+    mixed = min(settings.mixed, (longest - 3) // 8)
+    same, turned = changes(distances, clip, mixed)
+    least = max(min(round(settings.least * rate), (longest - 2 * mixed) // 3), 2 * mixed + 1)
+    generator = np.random.default_rng(settings.seed)
+    used = np.zeros(len(clip))
+    # Begin where the recordings do, in the one with most room.
+    at, direction = int(first[np.argmax(last - first)]), 1
+    since = 0
+    while True:
+        end = last[at] if direction > 0 else first[at]
+        ahead = np.arange(at + direction * max(least - since, mixed), end + direction, direction)
+        leave, to, way = _choice(ahead, direction, same, turned, first, last, least + mixed, used, settings, generator)
+        used *= 0.7
+        used[max(to - mixed, 0) : to + mixed + 1] += 1
+        for frame in range(at, leave - direction * mixed, direction):
+            yield Mix(frame, frame, 0.0)
+        for step in range(-mixed, mixed + 1):
+            share = (step + mixed + 1) / (2 * mixed + 2)
+            yield Mix(leave + direction * step, to + way * step, share * share * (3 - 2 * share))
+        at, direction, since = to + way * (mixed + 1), way, mixed + 1
+
+
+def _choice(ahead, direction, same, turned, first, last, room, used, settings, generator) -> tuple[int, int, int]:
+    """Where to leave, where to go over to, and in which direction to go on."""
+    place = np.arange(len(first))
+    costs = []
+    for way, cost in ((direction, same), (-direction, turned)):
+        left = (last - place) if way > 0 else (place - first)
+        cost = cost[ahead] * (1 + 0.2 * used)
+        costs.append(np.where(left >= room, cost, np.inf))
+    table = np.stack(costs)
+    chosen = np.argwhere(table <= max(settings.unseen, 1.1 * table.min()))
+    kind, row, to = chosen[generator.integers(len(chosen))]
+    return int(ahead[row]), int(to), int(direction if kind == 0 else -direction)
+
+
+def _clipped(index: np.ndarray, count: int) -> np.ndarray:
+    return np.clip(index, 0, count - 1)

@@ -1,0 +1,131 @@
+"""The console command ``visualspeech``: a speaker of a finished run is made to say a text.
+
+What goes wrong is said in one sentence; the exit status is 2 where the command line has to be changed, else 1.
+"""
+
+import argparse
+import logging
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+
+from visualspeech.errors import RejectedUtterance, SettingError, VisualSpeechError
+from visualspeech.jobs import log
+
+# torch, dlib and the media libraries are imported when a command runs: help and mistakes are answered at once.
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run the command line; returns the exit status."""
+    given = _parser().parse_args(arguments)
+    terminal = logging.StreamHandler(sys.stderr)
+    terminal.setFormatter(logging.Formatter("%(message)s"))
+    log.handlers[:] = [] if given.quiet else [terminal]
+    log.setLevel(logging.INFO)
+    log.propagate = False
+    try:
+        given.run(given)
+    except VisualSpeechError as error:
+        said = str(error)
+        if isinstance(error, RejectedUtterance):
+            said = f"{given.audio}: {error.reason}. {error.remedy}".strip()
+        print(f"visualspeech: {said}", file=sys.stderr)
+        return 2 if isinstance(error, SettingError) else 1
+    except KeyboardInterrupt:
+        print("visualspeech: stopped; nothing was written.", file=sys.stderr)
+        return 130
+    except MemoryError:
+        print("visualspeech: out of memory. Give a shorter text, or a background of smaller pictures.", file=sys.stderr)
+        return 1
+    except Exception as error:
+        if given.debug:
+            raise
+        print(
+            f"visualspeech: unexpected error: {error!r}. Run again with --debug and report what it shows.",
+            file=sys.stderr,
+        )
+        return 1
+    return 0
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = argparse.ArgumentParser(prog="visualspeech", description="Talking heads of recorded speakers.")
+    commands = parser.add_subparsers(title="commands", required=True, metavar="COMMAND")
+    speak = commands.add_parser(
+        "speak",
+        help="make a speaker say a text",
+        description="Write a video of a speaker who says a text, with a synthetic voice or with a given recording.",
+    )
+    speak.add_argument(
+        "--model", required=True, type=Path, metavar="FOLDER",
+        help="the speaker: a folder that the workflow's target `speaker` has written",
+    )  # fmt: skip
+    speak.add_argument("--text", help="what to say; with --audio, what is said in the recording")
+    speak.add_argument(
+        "--text-file", type=Path, metavar="FILE", help="the same from a UTF-8 file (- for standard input)"
+    )
+    speak.add_argument("--audio", type=Path, metavar="FILE", help="a recording of speech that gives the voice")
+    speak.add_argument("-o", "--output", required=True, type=Path, metavar="FILE.mp4", help="the video to write")
+    speak.add_argument("--voice", default="en-us", help="English voice of eSpeak NG (default: %(default)s)")
+    speak.add_argument("--speed", type=int, default=150, help="words a minute, 80 to 450 (default: %(default)s)")
+    speak.add_argument("--pitch", type=int, default=45, help="0 to 100 (default: %(default)s)")
+    speak.add_argument("--seed", type=int, default=0, help="of the way through the background (default: %(default)s)")
+    speak.add_argument("--no-label", action="store_true", help="leave out the small label `synthetic` in the pictures")
+    speak.add_argument("--quiet", action="store_true", help="no progress lines")
+    speak.add_argument("--debug", action="store_true", help=argparse.SUPPRESS)
+    speak.set_defaults(run=_speak)
+    return parser
+
+
+def _speak(given: argparse.Namespace) -> None:
+    from visualspeech.speech.sentences import split_sentences
+
+    text = _text(given)
+    if given.output.suffix.lower() != ".mp4":
+        raise SettingError(f"--output {given.output}: videos are written as MP4; give a name that ends in .mp4.")
+    if given.output.is_dir():
+        raise SettingError(f"--output {given.output} is a folder; give the name of the video file.")
+    if given.seed < 0:
+        raise SettingError(f"--seed {given.seed}: give a number of 0 or more.")
+    split_sentences(text)  # a text without a word is told before anything is loaded
+    from visualspeech.animation.bundle import SpeakerBundle
+    from visualspeech.animation.speaking import SpeakSettings, perform, speak
+    from visualspeech.animation.walk import WalkSettings
+    from visualspeech.speech.spoken import VoiceSettings, speak_recording, speak_text
+
+    bundle = SpeakerBundle.load(given.model)
+    if given.audio:
+        spoken, voice = [speak_recording(given.audio, text)], f"recording {given.audio.name}, as given"
+    else:
+        settings = VoiceSettings(given.voice, given.speed, given.pitch)
+        spoken = speak_text(text, settings, bundle.shares)
+        voice = f"synthetic (eSpeak NG, {given.voice})"
+    settings = SpeakSettings(label=not given.no_label, walk=WalkSettings(seed=given.seed))
+    performance = perform(spoken, bundle.network, bundle.rest, settings)
+    log.info("%.1f s of speech; rendering", performance.seconds)
+    speak(given.output, performance, bundle, voice, settings)
+
+
+def _text(given: argparse.Namespace) -> str:
+    if given.text is not None and given.text_file is not None:
+        raise SettingError("--text and --text-file are both given; give one of them.")
+    if given.text is not None:
+        return given.text
+    if given.text_file is not None:
+        try:
+            if str(given.text_file) == "-":
+                return sys.stdin.read()
+            return given.text_file.read_text(encoding="utf-8-sig")
+        except (OSError, UnicodeDecodeError) as error:
+            reason = getattr(error, "strerror", None) or "it is no UTF-8 text"
+            raise SettingError(f"cannot read --text-file {given.text_file}: {reason}.") from error
+    if given.audio is not None:
+        raise SettingError(
+            f"what is said in {given.audio} has to be given too, with --text or --text-file: its words are aligned "
+            "with the sound."
+        )
+    raise SettingError("there is nothing to say; give --text, --text-file, or --audio with one of them.")
+
+
+if __name__ == "__main__":
+    sys.exit(main())

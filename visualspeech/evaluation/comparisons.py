@@ -1,0 +1,229 @@
+"""Which differences between rows are real: paired tests over test utterances, corrected for how many there are.
+
+All pairs of rows are tested, not only those with the best one: the best row is known from the same utterances, and a
+family chosen after looking would need a correction that Holm's does not give.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from itertools import combinations
+
+import numpy as np
+
+from visualspeech.errors import DataError, SettingError
+from visualspeech.evaluation.metrics import METRICS, Metric, metric_named, sums
+from visualspeech.evaluation.sheets import Cell, Sheet
+from visualspeech.evaluation.statistics import BootstrapSettings, Sampled, draws, figure, sample
+from visualspeech.evaluation.table_formats import column_title, row_title
+
+TESTS = ("wilcoxon", "permutation")
+COLUMNS = ("metric", "first", "second", "first_value", "second_value", "difference", "low", "high", "p", "p_holm",
+           "better")  # fmt: skip
+
+
+@dataclass(frozen=True)
+class ComparisonSettings:
+    """Settings of the paired tests.
+
+    Parameters
+    ----------
+    test : ``wilcoxon``: signed-rank test of the utterances' differences (Wilcoxon 1945); ``permutation``: of the
+        difference of the two corpus figures, whose null distribution comes from changing signs of utterances at random
+    level : of significance, of the family of all pairs of one measure (Holm 1979)
+    permutations : draws of the permutation test; every change of signs where there are no more of them than that
+    seed : of the draws
+    """
+
+    test: str = "wilcoxon"
+    level: float = 0.05
+    permutations: int = 10_000
+    seed: int = 0
+
+    def __post_init__(self) -> None:
+        if self.test not in TESTS:
+            raise SettingError(f"`tables.comparison.test: {self.test}` must be one of {', '.join(TESTS)}.")
+        if not 0 < self.level < 1:
+            raise SettingError(f"`tables.comparison.level: {self.level}` must lie between 0 and 1, for example 0.05.")
+        if self.permutations < 100:
+            raise SettingError(f"`tables.comparison.permutations: {self.permutations}` must be at least 100.")
+
+
+def holm(p: np.ndarray) -> np.ndarray:
+    """P values (n,) corrected by Holm's step-down method for a family of n; in the order given."""
+    p = np.asarray(p, float)
+    order = np.argsort(p, kind="stable")
+    stepped = np.maximum.accumulate(p[order] * np.arange(len(p), 0, -1))
+    corrected = np.empty_like(p)
+    corrected[order] = np.minimum(stepped, 1.0)
+    return corrected
+
+
+def signed_rank(differences: np.ndarray) -> float:
+    """P value of Wilcoxon's signed-rank test, two-sided, of paired differences (n,); 1 where all of them are 0."""
+    from scipy.stats import wilcoxon
+
+    differences = differences[np.isfinite(differences)]
+    if not np.any(differences):
+        return 1.0
+    # Equal differences must stay equal: the last bits of the quotients that they come from would rank them.
+    differences = np.round(differences / np.abs(differences).max(), 10)
+    return float(wilcoxon(differences, zero_method="pratt").pvalue)
+
+
+def sign_permutation(differences: np.ndarray, settings: ComparisonSettings) -> float:
+    """P value, two-sided, of the sum of paired differences (n,) under changes of their signs."""
+    from scipy.stats import permutation_test
+
+    differences = differences[np.isfinite(differences)]
+    if not np.any(differences):
+        return 1.0
+    return float(
+        permutation_test(
+            (differences,),
+            lambda values, axis: np.sum(values, axis=axis),
+            permutation_type="samples",
+            vectorized=True,
+            n_resamples=settings.permutations,
+            rng=np.random.default_rng(settings.seed),
+        ).pvalue
+    )
+
+
+def compare(
+    tables: Mapping[str, object],
+    metrics: Sequence[str],
+    settings: ComparisonSettings | None = None,
+    bootstrap: BootstrapSettings | None = None,
+):
+    """Paired tests of all pairs of rows, a line a measure and pair.
+
+    Parameters
+    ----------
+    tables : row name -> per-utterance table of the test utterances, the same in all; seeds pooled
+        (:func:`visualspeech.evaluation.repetitions.pooled`)
+    metrics : names of measures; each one is a family of tests of its own
+    settings : of the tests
+    bootstrap : of the interval of each difference
+
+    Returns
+    -------
+    DataFrame
+        :data:`COLUMNS`. ``first`` is the row with the better corpus figure; ``difference`` is first minus second with
+        its paired bootstrap interval; ``better`` names the first row where the corrected p value is below the level,
+        and is empty elsewhere
+
+    Raises
+    ------
+    DataError
+        Rows were evaluated on different utterances.
+    """
+    import pandas
+
+    settings, bootstrap = settings or ComparisonSettings(), bootstrap or BootstrapSettings()
+    _check_same(tables)
+    drawn = draws(len(next(iter(tables.values()))), bootstrap) if tables else np.zeros((1, 1), int)
+    lines = []
+    for metric in map(metric_named, metrics):
+        parts = {row: sums(table, metric) for row, table in tables.items()}
+        sampled = {row: sample(*part, drawn) for row, part in parts.items()}
+        order = sorted(tables, key=lambda row: _cost(metric, sampled[row].value))  # noqa: B023
+        pairs = list(combinations(order, 2))
+        p = np.array([paired_p(metric, parts[first], parts[second], settings) for first, second in pairs])
+        for (first, second), own, corrected in zip(pairs, p, holm(p), strict=True):
+            one, other = sampled[first], sampled[second]
+            between = figure(Sampled(one.value - other.value, one.samples - other.samples), bootstrap.level)
+            real = corrected < settings.level
+            lines.append(
+                (metric.name, first, second, one.value, other.value, between.value, between.low, between.high, own,
+                 corrected, first if real else "")
+            )  # fmt: skip
+    return pandas.DataFrame(lines, columns=list(COLUMNS))
+
+
+def _cost(metric: Metric, value):
+    """What is the lower the better."""
+    return {"low": value, "high": -value, "one": np.abs(value - 1)}[metric.best]
+
+
+def paired_p(metric: Metric, first, second, settings: ComparisonSettings) -> float:
+    """P value of the difference of two rows, each given by :func:`visualspeech.evaluation.metrics.sums`."""
+    if settings.test == "permutation" and metric.best != "one":
+        # Both figures have one denominator: the sum of these differences is the difference of the figures, but for it.
+        return sign_permutation(first[0] - second[0], settings)
+    values = []
+    for numerator, denominator in (first, second):
+        with np.errstate(invalid="ignore", divide="ignore"):
+            values.append(_cost(metric, numerator / denominator))
+    differences = values[0] - values[1]
+    return signed_rank(differences) if settings.test == "wilcoxon" else sign_permutation(differences, settings)
+
+
+def _check_same(tables: Mapping[str, object]) -> None:
+    expected = None
+    for row, table in tables.items():
+        found = list(zip(table["id"], table["frames"], strict=True))
+        if expected is not None and found != expected:
+            raise DataError(
+                f"`{row}` was evaluated on other utterances than the rows before it. Delete the models and run again."
+            )
+        expected = found
+
+
+def comparison_sheets(
+    frame, utterances: int, settings: ComparisonSettings, facts: Sequence[tuple[str, str]] = (), digits: int = 3
+) -> tuple[Sheet, ...]:
+    """For each measure the rows, the best first: what they are better and worse than, and how far from the best.
+
+    Parameters
+    ----------
+    frame : from :func:`compare`, with the settings it was made with
+    utterances : number of test utterances
+    """
+    sheets = []
+    for name in dict.fromkeys(frame["metric"]):
+        part = frame[frame["metric"] == name]
+        values = dict(zip(part["first"], part["first_value"], strict=True))
+        values |= dict(zip(part["second"], part["second_value"], strict=True))
+        best = part["first"].iloc[0]
+        to_best = {row.second: row for row in part.itertuples() if row.first == best}
+        rows = []
+        for row in (best, *to_best):
+            wins = int((part["better"] == row).sum())
+            losses = int(((part["second"] == row) & (part["better"] != "")).sum())
+            shown = Cell(f"{values[row]:.{digits}f}", best=row == best)
+            cells = (shown, *_to_best(to_best.get(row), digits), Cell(str(wins)), Cell(str(losses)))
+            rows.append((row_title(row), cells))
+        sheets.append(
+            Sheet(
+                title=f"{METRICS[name].title}: which differences are real",
+                columns=(column_title(METRICS[name]), "best less this", "p", "better than", "worse than"),
+                rows=tuple(rows),
+                facts=() if sheets else tuple(facts),
+                notes=() if sheets else _notes(len(part), utterances, settings),
+            )
+        )
+    return tuple(sheets)
+
+
+def _to_best(line, digits: int) -> tuple[Cell, Cell]:
+    if line is None:
+        return Cell(""), Cell("")
+    interval = f"[{line.low:.{digits}f}, {line.high:.{digits}f}]"
+    p = "< 0.0001" if line.p_holm < 1e-4 else f"{line.p_holm:.4f}"
+    return Cell(f"{line.difference:.{digits}f}", interval), Cell(p, best=bool(line.better))
+
+
+def _notes(pairs: int, utterances: int, settings: ComparisonSettings) -> tuple[str, ...]:
+    test = "Wilcoxon's signed-rank test" if settings.test == "wilcoxon" else "a permutation test"
+    notes = [
+        f"Paired over utterances by {test}, two-sided; p values are Holm-corrected for all {pairs} pairs of rows, "
+        f"those below {settings.level:g} are bold. “Better than” and “worse than” count the rows it differs from so. "
+        "Intervals are paired bootstrap intervals of the difference, without correction."
+    ]
+    least = 2.0 ** (1 - utterances) * pairs
+    if least >= settings.level:
+        notes.append(
+            f"With {utterances} test utterances no p value can fall below {2.0 ** (1 - utterances):.2g}, which {pairs} "
+            "pairs raise above the level: nothing can be significant here, whatever the differences."
+        )
+    return tuple(notes)

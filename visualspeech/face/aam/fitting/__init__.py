@@ -1,0 +1,6 @@
+"""Fitting of the appearance model to pictures: where the face is in frames without landmarks, or with coarse ones."""
+
+from visualspeech.face.aam.fitting.model import FittingModel, FittingSettings
+from visualspeech.face.aam.fitting.solver import Fit, fit, follow
+
+__all__ = ["Fit", "FittingModel", "FittingSettings", "fit", "follow"]

@@ -1,0 +1,235 @@
+"""What fitting needs of an active appearance model, computed once: templates, Jacobians and Hessians of every scale.
+
+Notation: N points, U grid pixels of a scale, K texture modes, n shape modes; i runs over the 4 + n changes of a warp
+(larger, turned, moved along x and y, then the shape modes), k over the texture modes with the mean as k = 0. Textures
+are grey: of three channels the luminance is fitted, which costs a third, and shapes are what fitting is for.
+
+The Jacobian of a face with texture parameters c is linear in c (c_0 = 1 stands for the mean)::
+
+    J(c)_i = sum_k c_k J_ki,    J_ki = grad t_k . dW/dp_i
+
+Once all J_ki are projected onto what no texture mode explains, both sides of the normal equations of a frame are
+polynomials in c with fixed coefficients: the right side is linear, the Hessian quadratic. So the variants whose
+Jacobian follows the texture (simultaneous, alternating) make no Jacobian for a frame; they cost one matrix product for
+a batch.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from visualspeech.errors import DataError, SettingError
+from visualspeech.face.aam.fitting.mesh import Mesh
+from visualspeech.face.aam.fitting.shapes import ShapeSpace
+
+VARIANTS = ("alternating", "simultaneous", "project_out")
+STARTS = ("landmarks", "last_frame")
+LUMA = np.array([0.299, 0.587, 0.114], np.float32)
+"""Weights of red, green and blue in grey (ITU-R BT.601), those of OpenCV's conversion."""
+
+
+@dataclass(frozen=True)
+class FittingSettings:
+    """How faces are fitted.
+
+    Parameters
+    ----------
+    variant : ``alternating`` (texture solved for at every step, Wiberg's algorithm), ``simultaneous`` (texture and warp
+        changed together) or ``project_out`` (texture ignored by projection, Jacobian of the mean face: fastest, and
+        least exact where faces differ from the mean)
+    start : ``landmarks``: each frame starts from the tracker's points; ``last_frame``: from the fit of the frame before
+        (slower: nothing can be done for all frames at once), from the tracker's where that diverges
+    scales : how many grid pixels each way are one pixel; fitted coarse to fine, whatever the order given
+    iterations : most steps at a scale
+    tolerance : pixels of the grid; a frame is done with a scale when no point moves farther in a step
+    shape_modes, texture_modes : most modes that are fitted, the leading ones
+    prior : pull of the shape parameters to the mean, in multiples of what pixels with independent noise would call for
+        (neighbours are alike, so it is more than 1); 0 for none
+    shape_limit : shape parameters are held within this many standard deviations
+    batch : frames in work at a time
+    error_limit : a fit with more than this many times the model's own residual has diverged
+    worse_limit : so has one whose residual is this many times that of its start
+    distance_limit : and one whose points lie this far from the start, in the mean and as a share of the face's size
+        (root of the mean square distance of its points to their middle)
+    """
+
+    variant: str = "alternating"
+    start: str = "landmarks"
+    scales: tuple[int, ...] = (2, 1)
+    iterations: int = 15
+    tolerance: float = 0.03
+    shape_modes: int = 24
+    texture_modes: int = 40
+    prior: float = 10.0
+    shape_limit: float = 4.0
+    batch: int = 75
+    error_limit: float = 3.0
+    worse_limit: float = 1.1
+    distance_limit: float = 0.25
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "scales", tuple(sorted(self.scales, reverse=True)))
+        if self.variant not in VARIANTS:
+            raise SettingError(f"fitting variant {self.variant!r} is unknown; give one of {', '.join(VARIANTS)}.")
+        if self.start not in STARTS:
+            raise SettingError(f"fitting start {self.start!r} is unknown; give one of {', '.join(STARTS)}.")
+        whole = all(isinstance(scale, int) and 1 <= scale <= 16 for scale in self.scales)
+        if not (self.scales and whole and len(set(self.scales)) == len(self.scales)):
+            raise SettingError(
+                f"fitting scales are {list(self.scales)}; give different whole numbers up to 16, for instance [2, 1]."
+            )
+        for name, least in (("iterations", 1), ("shape_modes", 0), ("texture_modes", 0), ("batch", 1)):
+            value = getattr(self, name)
+            if not isinstance(value, int) or value < least:
+                raise SettingError(f"fitting {name} is {value!r}; give a whole number, {least} or more.")
+        for name in ("tolerance", "error_limit", "worse_limit", "shape_limit", "distance_limit"):
+            if not getattr(self, name) > 0:
+                raise SettingError(f"fitting {name} is {getattr(self, name)!r}; give a number above 0.")
+        if not self.prior >= 0:
+            raise SettingError(f"fitting prior is {self.prior!r}; give 0 or more.")
+
+
+@dataclass(frozen=True)
+class Level:
+    """One scale of a fitting model.
+
+    Parameters
+    ----------
+    mesh : the mesh with the pixels of this scale
+    averaging : sparse (U, U of the grid): textures of this scale from those of the grid
+    mean : (U,) mean texture in grey levels; components (K, U) orthonormal
+    jacobians : ((K + 1) (4 + n), U) J_ki without what the components explain, k slowest
+    overlap : (K + 1, 4 + n, K) what they do explain of each J_ki
+    pairs : two index arrays (P,), the products c_k c_l with k <= l
+    hessians : (P, (4 + n)^2) the Hessian's coefficient of each product
+    """
+
+    mesh: Mesh
+    averaging: object
+    mean: np.ndarray
+    components: np.ndarray
+    jacobians: np.ndarray
+    overlap: np.ndarray
+    pairs: tuple[np.ndarray, np.ndarray]
+    hessians: np.ndarray
+
+
+@dataclass(frozen=True)
+class FittingModel:
+    """An active appearance model made ready for fitting with one group of settings.
+
+    Parameters
+    ----------
+    shapes : the shape space, in the units of the shapes it was made from
+    scale : grid pixels to one such unit
+    levels : one :class:`Level` a scale, coarse to fine
+    noise : root mean square in grey levels of what the texture modes leave of a training face
+    settings : the settings
+    """
+
+    shapes: ShapeSpace
+    scale: float
+    levels: tuple[Level, ...]
+    noise: float
+    settings: FittingSettings
+
+    @classmethod
+    def build(
+        cls,
+        mesh: Mesh,
+        shape: tuple[np.ndarray, np.ndarray, np.ndarray],
+        texture: tuple[np.ndarray, np.ndarray],
+        noise: float,
+        settings: FittingSettings | None = None,
+    ) -> "FittingModel":
+        """From the analyses of shapes and grey textures.
+
+        Parameters
+        ----------
+        mesh : with U pixels, its base mesh a scaled (and perhaps moved or opened) mean shape
+        shape : mean (N, 2), components (n, N, 2), variances (n,)
+        texture : mean (U,), components (K, U), in grey levels
+        noise : see the class
+
+        Raises
+        ------
+        DataError
+            Mesh, shapes and textures do not belong together.
+        """
+        settings = settings or FittingSettings()
+        mean, components = (np.asarray(part, np.float32) for part in texture)
+        if mean.shape != (mesh.size,) or components.shape[1:] != mean.shape or len(shape[0]) != len(mesh.points):
+            raise DataError(
+                f"a mesh of {len(mesh.points)} points and {mesh.size} pixels does not fit shapes of {len(shape[0])} "
+                f"points and textures {mean.shape} with components {components.shape}"
+            )
+        kept = settings.shape_modes
+        space = ShapeSpace.of(shape[0], shape[1][:kept], shape[2][:kept])
+        grid = mesh.points - mesh.points.mean(axis=0)
+        scale = float((grid * space.mean).sum() / np.square(space.mean).sum())
+        modes = components[: settings.texture_modes]
+        levels = tuple(_level(*mesh.coarser(factor), mean, modes, scale * space.changes) for factor in settings.scales)
+        return cls(space, scale, levels, float(noise), settings)
+
+    @classmethod
+    def of_aam(cls, aam, reference, settings: FittingSettings | None = None) -> "FittingModel":
+        """From a trained :class:`~visualspeech.face.aam.model.Aam` and its texture grid.
+
+        Raises
+        ------
+        DataError
+            They are not of one run.
+        """
+        if len(aam.texture_mean) != 3 * reference.size:
+            raise DataError(
+                f"the AAM has textures of {len(aam.texture_mean)} values, the reference one of {3 * reference.size}; "
+                "they are not of one run"
+            )
+        settings = settings or FittingSettings()
+        from visualspeech.face.aam.points import to_points
+
+        modes = grey(aam.texture_components[: settings.texture_modes])
+        left = max(float(aam.totals[1] - aam.texture_variances[: settings.texture_modes].sum()), 0)
+        shape = to_points(aam.shape_mean), to_points(aam.shape_components), aam.shape_variances
+        noise = np.sqrt(left / len(aam.texture_mean))
+        return cls.build(Mesh.of_reference(reference), shape, (grey(aam.texture_mean), modes), noise, settings)
+
+
+def grey(textures: np.ndarray) -> np.ndarray:
+    """Luminance (..., U) of textures (..., 3U)."""
+    textures = np.asarray(textures, np.float32)
+    return np.einsum("...cu,c->...u", textures.reshape(*textures.shape[:-1], 3, -1), LUMA)
+
+
+def _level(mesh: Mesh, averaging, mean: np.ndarray, modes: np.ndarray, changes: np.ndarray) -> Level:
+    mean = np.asarray(averaging @ mean, np.float32)
+    components = _orthonormal(np.asarray(averaging @ modes.T, np.float32).T)
+    every = steepest_descent(mesh, np.concatenate([mean[None], components]), changes)
+    overlap = every @ components.T
+    free = every - overlap @ components
+    first, second = np.triu_indices(len(every))
+    count, size, pixels = free.shape
+    flat = free.reshape(-1, pixels)
+    gram = (flat @ flat.T).reshape(count, size, count, size).transpose(0, 2, 1, 3)
+    hessians = gram[first, second] + np.where((first == second)[:, None, None], 0, gram[second, first])
+    flat_hessians = np.ascontiguousarray(hessians.reshape(len(first), -1))
+    return Level(mesh, averaging, mean, components, flat, overlap, (first, second), flat_hessians)
+
+
+def steepest_descent(mesh: Mesh, images: np.ndarray, changes: np.ndarray) -> np.ndarray:
+    """J_ki (K, I, U): how images (K, U) of the grid change when they are looked up at warped pixels.
+
+    Parameters
+    ----------
+    changes : (I, N, 2) displacement of the base mesh's corners, in grid pixels, for a unit of each parameter
+    """
+    along, down = mesh.gradients(np.asarray(images, np.float32))
+    moves = np.einsum("un,ina->aiu", mesh.weights, changes.astype(np.float32), optimize=True)
+    return along[:, None] * moves[0] + down[:, None] * moves[1]
+
+
+def _orthonormal(rows: np.ndarray) -> np.ndarray:
+    if not len(rows):
+        return rows
+    _, values, basis = np.linalg.svd(rows, full_matrices=False)
+    return np.ascontiguousarray(basis[values > 1e-4 * values[0]])

@@ -1,0 +1,1 @@
+"""Phone HMMs over appearance and its changes in time, and what they generate: the baseline of Table 3."""

@@ -1,0 +1,81 @@
+"""A text cut into sentences, so that a long one can be spoken and drawn piece by piece."""
+
+import re
+import unicodedata
+from collections.abc import Sequence
+from pathlib import Path
+
+from visualspeech.errors import SettingError
+
+LONGEST = 280  # characters; what is longer is cut at a comma, else at a space
+_ABBREVIATIONS = frozenset("mr mrs ms dr prof st jr sr vs etc e.g i.e no fig eq approx".split())
+
+
+def split_sentences(text: str, longest: int = LONGEST) -> list[str]:
+    """Sentences of a text in their order, each with a word that can be spoken; what has none is left out.
+
+    A sentence ends at ``.``, ``!``, ``?`` or ``:`` before white space (not after an abbreviation or an initial), and at
+    an empty line.
+
+    Raises
+    ------
+    SettingError
+        Not one word of the text can be pronounced.
+    """
+    found: list[str] = []
+    for paragraph in re.split(r"\n\s*\n", text):
+        begin = 0
+        words = " ".join(paragraph.split())
+        for mark in re.finditer(r"[.!?:…]+[\"')\]”’]*\s+", words):
+            last = words[begin : mark.start()].rsplit(" ", 1)[-1].lower().lstrip("(\"'“‘")
+            if words[mark.start()] == "." and (last in _ABBREVIATIONS or re.fullmatch(r"[a-z]", last)):
+                continue
+            found.append(words[begin : mark.end()].strip())
+            begin = mark.end()
+        found.append(words[begin:].strip())
+    spoken = [piece for one in found for piece in _pieces(one, longest) if pronounceable(piece)]
+    if not spoken:
+        shown = text.strip()[:60]
+        raise SettingError(f"there is no word to pronounce in {shown!r}; give a sentence in English words or numbers.")
+    return spoken
+
+
+def listed_sentences(given: Sequence[str], path: str = "") -> dict[str, str]:
+    """What is to be said, one text a video, numbered from "001": the lines of a text file, or else the texts given.
+
+    Raises
+    ------
+    SettingError
+        The file cannot be read or is empty, or a text holds no word to pronounce.
+    """
+    texts = list(given)
+    if path:
+        try:
+            lines = Path(path).read_text(encoding="utf-8-sig").splitlines()
+        except (OSError, UnicodeDecodeError) as error:
+            reason = getattr(error, "strerror", None) or "it is no UTF-8 text"
+            raise SettingError(f"cannot read the sentences of {path}: {reason}.") from error
+        texts = [line.strip() for line in lines if line.strip()]
+        if not texts:
+            raise SettingError(f"{path} holds no sentence; write one text a line.")
+    for text in texts:
+        split_sentences(text)
+    return {f"{number:03d}": text for number, text in enumerate(texts, start=1)}
+
+
+def pronounceable(text: str) -> bool:
+    """Whether a text holds a Latin letter or a digit: what the English voice can read out."""
+    return any(character.isascii() and character.isalnum() for character in unicodedata.normalize("NFKD", text))
+
+
+def _pieces(sentence: str, longest: int) -> list[str]:
+    pieces = []
+    while len(sentence) > longest:
+        cut = max(sentence.rfind(mark, longest // 2, longest) for mark in (", ", "; ", " - "))
+        if cut < 0:
+            cut = sentence.rfind(" ", 1, longest)
+        if cut < 0:
+            cut = longest - 1
+        pieces.append(sentence[: cut + 1].strip())
+        sentence = sentence[cut + 1 :].strip()
+    return [*pieces, sentence]

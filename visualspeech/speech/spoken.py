@@ -1,0 +1,193 @@
+"""What a talking head is to say: sound, and which state of which phone is spoken when.
+
+From a text the times are those of the voice itself, a by-product of the synthesis (Fan 2015, 4.1). The voice knows
+phones and not the three states that models are trained with, so a phone is shared out among them in the proportions
+that its states have on average in the alignment of the training data, or in thirds where these are not known; pauses
+always in thirds, as the alignment has them. From a recording, the times are those of a forced alignment.
+"""
+
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass
+from itertools import pairwise
+from pathlib import Path
+
+import numpy as np
+
+from visualspeech.errors import SettingError
+from visualspeech.media import read_audio
+from visualspeech.speech import tts
+from visualspeech.speech.alignment import RATE as ALIGNED_AT
+from visualspeech.speech.alignment import Alignment, AlignmentSettings, Segment, align
+from visualspeech.speech.phones import SILENCE, STATES
+from visualspeech.speech.sentences import split_sentences
+
+THIRDS = (1 / STATES,) * STATES
+SOUND_RATE = 48000  # Hz, of the sound of a recording as it is given out
+
+
+@dataclass(frozen=True)
+class VoiceSettings:
+    """How a text is spoken.
+
+    Parameters
+    ----------
+    voice : name of a voice of eSpeak NG; the phones are read as those of American English
+    rate_wpm : words a minute, 80 to 450
+    pitch : 0 (low) to 100 (high)
+    before, after : seconds of silence before the first and after the last sentence
+    pause : seconds of silence between two sentences
+    """
+
+    voice: str = tts.VOICE
+    rate_wpm: int = 150
+    pitch: int = 45
+    before: float = 0.4
+    after: float = 0.6
+    pause: float = 0.45
+
+    def __post_init__(self) -> None:
+        for name in ("before", "after", "pause"):
+            if not 0 <= getattr(self, name) <= 60:
+                raise SettingError(f"{name} is {getattr(self, name)!r}; give seconds of silence from 0 to 60.")
+
+
+@dataclass(frozen=True)
+class Spoken:
+    """One utterance to be shown.
+
+    Parameters
+    ----------
+    text : as written
+    samples : (n,) float32 in [-1, 1], mono
+    rate : samples a second
+    alignment : words, phones and states over the whole of the sound
+    """
+
+    text: str
+    samples: np.ndarray
+    rate: int
+    alignment: Alignment
+
+
+def speak_text(
+    text: str, settings: VoiceSettings | None = None, shares: Mapping[str, Iterable[float]] | None = None
+) -> Iterator[Spoken]:
+    """Speak a text sentence by sentence, with the silences between them; memory does not grow with the text.
+
+    Parameters
+    ----------
+    text : as written
+    shares : of a phone, the share of its time that each of its three states takes
+
+    Raises
+    ------
+    SettingError
+        There is no pronounceable word (before anything is spoken), or no such voice.
+    """
+    settings = settings or VoiceSettings()
+    sentences = split_sentences(text)
+    for number, sentence in enumerate(sentences):
+        speech = tts.synthesise(sentence, settings.voice, settings.rate_wpm, settings.pitch)
+        if all(phone == SILENCE for phone, _, _ in speech.phones):
+            raise SettingError(f"there is no word to pronounce in {sentence!r}; give English words or numbers.")
+        last = number == len(sentences) - 1
+        # Half a pause on either side of a border: every sentence comes out of silence and goes into it, as in training.
+        before = settings.before if number == 0 else settings.pause / 2
+        yield _with_silence(sentence, speech, before, settings.after if last else settings.pause / 2, shares or {})
+
+
+def speak_recording(
+    path: str | Path, transcript: str, lexicon=None, settings: AlignmentSettings | None = None
+) -> Spoken:
+    """A recording of somebody's speech (a sound or video file), aligned with what is said in it.
+
+    Raises
+    ------
+    SettingError
+        The transcript is empty.
+    RejectedUtterance
+        The file cannot be read, or the words are not in the sound.
+    """
+    if not transcript.strip():
+        raise SettingError(
+            f"what is said in {path} has to be given too: its words are aligned with the sound. Give it with --text."
+        )
+    heard = read_audio(path, ALIGNED_AT)
+    samples = np.clip(np.rint(heard.astype(np.float64) * 32767), -32768, 32767).astype(np.int16)
+    alignment = align(samples, transcript, lexicon, settings)
+    return Spoken(transcript, read_audio(path, SOUND_RATE), SOUND_RATE, alignment)
+
+
+def state_shares(tables: Iterable) -> dict[str, tuple[float, ...]]:
+    """Average share of a phone's time that each of its three states takes, by phone.
+
+    Parameters
+    ----------
+    tables : alignment tables (data frames with the columns id, tier, index, parent, label, start, end), read one at
+        a time
+    """
+    totals: dict[str, np.ndarray] = {}
+    for table in tables:
+        phones = table[table["tier"] == "phone"].set_index(["id", "index"])["label"]
+        states = table[table["tier"] == "state"]
+        owners = phones.loc[list(zip(states["id"], states["parent"], strict=True))].to_numpy()
+        lengths = (states["end"] - states["start"]).to_numpy(float)
+        for phone, state, length in zip(owners, states["label"].astype(int), lengths, strict=True):
+            totals.setdefault(phone, np.zeros(STATES))[state - 1] += length
+    return {
+        phone: THIRDS if phone == SILENCE else tuple((spent / spent.sum()).tolist())
+        for phone, spent in sorted(totals.items())
+        if spent.sum() > 0
+    }
+
+
+def timed(
+    phones: Iterable[tuple[str, float, float]],
+    words: Iterable[tuple[str, float, float]] = (),
+    shares: Mapping[str, Iterable[float]] | None = None,
+) -> Alignment:
+    """An alignment of phones with times (label, start, end): one word tier, and three states a phone.
+
+    Phones follow each other without a gap from 0 seconds on; a phone belongs to the word that its middle lies in.
+    """
+    tiers: tuple[list[Segment], ...] = ([], [], [])
+    spoken, before = list(words), None
+    for phone, start, end in phones:
+        middle = (start + end) / 2
+        inside = (i for i, (_, a, b) in enumerate(spoken) if a <= middle < b)
+        word = -1 if phone == SILENCE else next(inside, -2)
+        if tiers[0] and word == before:
+            tiers[0][-1] = Segment(tiers[0][-1].label, tiers[0][-1].start, end)
+        else:
+            tiers[0].append(Segment(spoken[word][0] if word >= 0 else SILENCE if word == -1 else "", start, end))
+        before = word
+        parts = THIRDS if phone == SILENCE else tuple((shares or {}).get(phone, THIRDS))
+        borders = [start, *(start + (end - start) * np.cumsum(parts)[:-1]), end]
+        tiers[2].extend(
+            Segment(str(k + 1), float(a), float(b), len(tiers[1])) for k, (a, b) in enumerate(pairwise(borders))
+        )
+        tiers[1].append(Segment(phone, start, end, len(tiers[0]) - 1))
+    return Alignment(*(tuple(tier) for tier in tiers))
+
+
+def _with_silence(text: str, speech: tts.Speech, before: float, after: float, shares) -> Spoken:
+    """The speech between two stretches of silence, which join with the pauses it has at its own ends."""
+    lead, tail = (round(seconds * speech.rate) for seconds in (before, after))
+    length = len(speech.samples) + lead + tail
+    samples = np.zeros(length, np.float32)
+    samples[lead : length - tail] = speech.samples.astype(np.float32) / 32768
+    moved = lead / speech.rate
+    phones = [(label, start + moved, end + moved) for label, start, end in speech.phones]
+    phones = _between(phones, moved, length / speech.rate)
+    words = [(label, start + moved, end + moved) for label, start, end in speech.words]
+    return Spoken(text, samples, speech.rate, timed(phones, words, shares))
+
+
+def _between(phones: list[tuple[str, float, float]], begin: float, end: float) -> list[tuple[str, float, float]]:
+    if phones[0][0] == SILENCE:
+        phones = [(SILENCE, 0.0, phones[0][2]), *phones[1:]]
+    elif begin > 0:
+        phones = [(SILENCE, 0.0, begin), *phones]
+    if phones[-1][0] == SILENCE:
+        return [*phones[:-1], (SILENCE, phones[-1][1], end)]
+    return [*phones, (SILENCE, phones[-1][2], end)] if end > phones[-1][2] else phones

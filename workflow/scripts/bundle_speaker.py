@@ -1,0 +1,60 @@
+"""Gather what speaking needs of a run into one folder: models, the face at rest, and recorded pictures."""
+
+import shutil
+
+from visualspeech.animation.background import choose_recordings, write_background
+from visualspeech.animation.bundle import FILES, describe_bundle, rest_of, resting_frames
+from visualspeech.corpora.table import of_split, read_utterances
+from visualspeech.errors import SettingError
+from visualspeech.face.aam.model import reference_face
+from visualspeech.face.pose import Pose
+from visualspeech.features.labels import read_phones
+from visualspeech.jobs import job, log
+from visualspeech.media import read_frames
+from visualspeech.speech.rows import read_alignment_rows, read_alignment_table
+from visualspeech.speech.spoken import state_shares
+from visualspeech.storage import ArrayCollection, replacing
+
+source, names, wanted = snakemake.input, snakemake.params.names, list(snakemake.params.background)
+with (
+    job(snakemake.log[0]),
+    replacing(snakemake.output[0]) as folder,
+    ArrayCollection(source.landmarks) as landmarks,
+    ArrayCollection(source.pose) as pose,
+    ArrayCollection(source.textures) as textures,
+    ArrayCollection(source.parameters) as parameters,
+):
+    folder.mkdir()
+    for name in ("network", "aam", "reference", "head"):
+        shutil.copyfile(source[name], folder / FILES[name])
+    utterances = {one.id: one for one in read_utterances(source.utterances)}
+    training = of_split(utterances.values(), "train")
+    missing = [name for name in wanted if name not in utterances]
+    if missing:
+        raise SettingError(f"`speak.background`: {', '.join(missing)} is not among the ids of {source.utterances}.")
+    if not wanted:
+        rate = pose.rate(training[0].id)
+        faces = ((one.id, landmarks.array(one.id, "points"), reference_face(textures, one.id)) for one in training)
+        wanted = choose_recordings(faces, snakemake.params.seconds, rate)
+    log.info("background: %s", ", ".join(wanted))
+    clips = (
+        (
+            one.id, one.media, read_frames(one.media, one.start, one.end), landmarks.array(one.id, "points"),
+            Pose(pose.array(one.id, "rotation"), pose.array(one.id, "translation")),
+            reference_face(textures, one.id), pose.rate(one.id),
+        )
+        for one in (utterances[name] for name in wanted)
+    )  # fmt: skip
+    write_background(folder / FILES["background"], clips)
+    ids = {one.id for one in training}
+
+    def silences():
+        for path in source.alignment:
+            for name, rows in read_alignment_rows(path).items():
+                if name in ids:
+                    seen = parameters.array(name, "appearance")
+                    yield seen[resting_frames(rows, len(seen), parameters.rate(name))]
+
+    tables = (table[table["id"].isin(ids)] for table in map(read_alignment_table, source.alignment))
+    shares, phones = state_shares(tables), read_phones(source.phones)
+    describe_bundle(folder, phones, shares, rest_of(silences()), model=snakemake.wildcards.model, **names)

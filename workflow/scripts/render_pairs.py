@@ -1,0 +1,39 @@
+"""Pairs of videos for a preference test, in random order, with the key apart from them."""
+
+from pathlib import Path
+
+from visualspeech.animation.pairs import write_pair
+from visualspeech.animation.video import Recording, Speaker, VideoSettings
+from visualspeech.corpora.table import of_split, read_utterances
+from visualspeech.evaluation.preference import answer_sheet, draw_pairs, key_table
+from visualspeech.face.aam.model import reference_face
+from visualspeech.face.pose import Pose
+from visualspeech.jobs import job, progress
+from visualspeech.storage import ArrayCollection, ArrayReader, replacing, write_table
+
+source, params = snakemake.input, snakemake.params
+with (
+    job(snakemake.log[0]),
+    replacing(snakemake.output.videos) as folder,
+    ArrayReader(source.first) as first,
+    ArrayReader(source.second) as second,
+    ArrayCollection(source.landmarks) as landmarks,
+    ArrayCollection(source.pose) as pose,
+    ArrayCollection(source.textures) as textures,
+):
+    folder.mkdir()
+    speaker = Speaker.load(source.head, source.aam, source.reference)
+    predictions = dict(zip(params.models, (first, second), strict=True))
+    utterances = {one.id: one for one in of_split(read_utterances(source.utterances), "test")}
+    pairs = draw_pairs(list(utterances), params.models, params.pairs, params.seed)
+    for pair in progress(pairs, len(pairs), "pairs"):
+        name, path = pair.utterance, Path(folder, f"{pair.number:02d}.mp4")
+        turned = Pose(pose.array(name, "rotation"), pose.array(name, "translation"))
+        recording = Recording(landmarks.array(name, "points"), turned, reference_face(textures, name))
+        streams = [
+            (predictions[m].array(name, "appearance"), predictions[m].rate(name)) for m in (pair.left, pair.right)
+        ]
+        write_pair(path, pair.number, utterances[name], recording, streams, speaker, **params.names,
+                   settings=VideoSettings(label=params.label))  # fmt: skip
+    write_table(snakemake.output.key, key_table(pairs))
+    write_table(snakemake.output.sheet, answer_sheet(pairs))
