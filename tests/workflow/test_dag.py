@@ -54,7 +54,8 @@ def test_nothing_to_be_done_after_a_run(tiny_run):
 
 def test_digits_of_a_table_remake_the_tables_alone(tiny_run, tmp_path):
     rules = planned_rules(tiny_run, "tables", configfiles=overlay(tmp_path, {"tables": {"digits": 5}}))
-    assert rules == {"tables", "tabulate_results"}
+    assert "tabulate_results" in rules
+    assert all(rule == "tables" or rule.startswith("tabulate_") for rule in rules)
 
 
 def test_energy_of_the_aam_remakes_from_the_aam_on(tiny_run, tmp_path):

@@ -50,7 +50,7 @@ def test_a_preference_test_is_a_target(tiny_run, tmp_path):
     done = snakemake(tiny_run, "preference", configfiles=overlay(tmp_path, {"preference": {"count": 1}}))
     assert done.returncode == 0, done.stdout[-3000:]
     run = tiny_run / "results" / "tiny" / "fan2015"
-    assert [path.name for path in (run / "preference" / "videos").iterdir()] == ["01.mp4"]
+    assert [path.name for path in (run / "preference" / "videos").glob("*.mp4")] == ["01.mp4"]
     key = read_table(run / "preference_key.tsv", ("utterance", "A", "B"))
     assert {key["A"][0], key["B"][0]} == {"FB-16", "hmm_mge"}
     answers = tmp_path / "answers.tsv"
