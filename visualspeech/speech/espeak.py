@@ -48,17 +48,17 @@ class Engine:
     def __init__(self, voice: str) -> None:
         import espeakng_loader
 
-        self.library = ctypes.CDLL(espeakng_loader.get_library_path())
+        self.native = ctypes.CDLL(espeakng_loader.get_library_path())
         data = espeakng_loader.get_data_path().encode()
-        self.rate = self.library.espeak_Initialize(SYNCHRONOUS, 0, data, PHONEME_EVENTS | DO_NOT_EXIT)
+        self.rate = self.native.espeak_Initialize(SYNCHRONOUS, 0, data, PHONEME_EVENTS | DO_NOT_EXIT)
         if self.rate <= 0:
             raise RuntimeError("eSpeak NG cannot read its data")
-        if self.library.espeak_SetVoiceByName(voice.encode()) != 0:
+        if self.native.espeak_SetVoiceByName(voice.encode()) != 0:
             raise ValueError(f"eSpeak NG has no voice {voice!r}")
 
     def pronounce(self, word: str, marks: bool = False) -> list[str]:
         """Phoneme mnemonics of one word, without or with its marks of stress (``'`` primary, ``,`` secondary)."""
-        function = self.library.espeak_TextToPhonemes
+        function = self.native.espeak_TextToPhonemes
         function.restype = ctypes.c_char_p
         pointer = ctypes.c_char_p(word.encode("utf-8"))
         phonemes = []
@@ -86,12 +86,12 @@ class Engine:
             return 0
 
         callback = _Callback(receive)
-        self.library.espeak_SetSynthCallback(callback)
-        self.library.espeak_SetParameter(RATE, rate, 0)
-        self.library.espeak_SetParameter(PITCH, pitch, 0)
+        self.native.espeak_SetSynthCallback(callback)
+        self.native.espeak_SetParameter(RATE, rate, 0)
+        self.native.espeak_SetParameter(PITCH, pitch, 0)
         data = text.encode("utf-8")
-        self.library.espeak_Synth(data, len(data) + 1, 0, 0, 0, UTF8, None, None)
-        self.library.espeak_Synchronize()
+        self.native.espeak_Synth(data, len(data) + 1, 0, 0, 0, UTF8, None, None)
+        self.native.espeak_Synchronize()
         return events, b"".join(chunks)
 
 
