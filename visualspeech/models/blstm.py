@@ -93,7 +93,7 @@ class Stack(nn.Module):
         self.offsets = torch.tensor([0, *accumulate(sizes[:-1])])
         self.inputs = sum(sizes)
         self.letters = settings.letters
-        self.dropout = nn.Dropout(dropout)
+        self.dropout = dropout
         self.layers = nn.ModuleList()
         width = self.inputs
         for letter in settings.letters:
@@ -115,7 +115,8 @@ class Stack(nn.Module):
                 frames = torch.tanh(layer(frames))
             else:
                 frames = layer(PackedSequence(frames, packed.batch_sizes))[0].data
-            frames = self.dropout(frames)
+            if self.training and self.dropout:
+                frames = dropped(frames, self.dropout)
         values = PackedSequence(self.output(frames), packed.batch_sizes)
         return pad_packed_sequence(values, batch_first=True, total_length=labels.shape[1])[0]
 
@@ -123,3 +124,12 @@ class Stack(nn.Module):
         """One-hot vectors of label indices: (frames, 4) to the 3K + 3 of the paper (3.1); a part more, a block more."""
         ones = torch.zeros(len(labels), self.inputs, dtype=self.output.weight.dtype)
         return ones.scatter_(1, labels + self.offsets, 1.0)
+
+
+def dropped(values: torch.Tensor, share: float) -> torch.Tensor:
+    """Values with a random share of them zero and the others larger by 1 / (1 - share), as in training with dropout.
+
+    The same as :func:`torch.nn.functional.dropout` with other random numbers: uniform ones, which a processor draws
+    three times as fast as torch's Bernoulli ones; those were a tenth of an update.
+    """
+    return values * torch.rand_like(values).ge_(share).mul_(1 / (1 - share))

@@ -269,6 +269,7 @@ def _start(
             lr=settings.learning_rate,
             betas=(settings.momentum, 0.999),
             weight_decay=settings.weight_decay,
+            fused=True,
         )
     else:
         optimiser = torch.optim.SGD(

@@ -5,7 +5,7 @@ import torch
 from tests.unit.models.examples import utterances
 from visualspeech.errors import SettingError
 from visualspeech.features.labels import one_hot
-from visualspeech.models.blstm import Stack, StackSettings, parse_stack
+from visualspeech.models.blstm import Stack, StackSettings, dropped, parse_stack
 
 
 def stack(letters, phones=6, outputs=3, nodes=5, seed=1):
@@ -104,3 +104,24 @@ def test_names_that_are_no_stack(name):
 def test_widths_that_are_no_width(nodes):
     with pytest.raises(SettingError, match="networks.nodes"):
         StackSettings("F", nodes)
+
+
+def test_dropped_values_keep_their_mean_and_pass_the_gradient_of_those_that_stay():
+    torch.manual_seed(1)
+    values = torch.ones(400, 500, requires_grad=True)
+    result = dropped(values, 0.3)
+    # 200,000 draws: five standard deviations of the share are 0.005.
+    assert abs((result == 0).double().mean().item() - 0.3) < 0.005
+    assert torch.allclose(result[result != 0], torch.tensor(1 / 0.7))
+    assert abs(result.mean().item() - 1) < 0.01
+    result.sum().backward()
+    assert torch.equal(values.grad, result.detach())
+
+
+def test_hidden_values_are_dropped_in_training_alone():
+    torch.manual_seed(1)
+    module = Stack(StackSettings("FB", 64), 6, 3, dropout=0.5)
+    labels, lengths = torch.tensor(utterances(1)[0][0].astype(np.int64))[None], torch.tensor([len(utterances(1)[0][0])])
+    assert not torch.equal(module(labels, lengths), module(labels, lengths))
+    module.eval()
+    assert torch.equal(module(labels, lengths), module(labels, lengths))
