@@ -1,0 +1,98 @@
+"""How much two takes of the same words differ: what no model of words and times can predict of a finished run's faces.
+
+Run: python -m benchmarks.repetitions RESULTS EXPERIMENT [MODEL ...]
+
+RESULTS is a corpus's folder (results/grid), EXPERIMENT a folder in it. A word of a test utterance is compared with
+every other take of it in the corpus, between the same two neighbours and spoken with the same phones, brought to its
+times phone by phone. With noise of its own in each take, half the mean squared difference of two takes is the noise's
+variance; where takes differ in how they were said, it is an estimate from above. Printed are its root and beside it the
+root mean square errors of MODELs on the same frames (appearance parameters, not the mean over frames of Eq. 18), the
+share of the models' squared error that is noise, and by how much the error could still fall; with 95 % intervals over
+utterances.
+"""
+
+import sys
+from collections import defaultdict
+from pathlib import Path
+
+import numpy as np
+
+from visualspeech.corpora.table import of_split, read_utterances
+from visualspeech.features.labels import SILENCE
+from visualspeech.speech.rows import read_alignment_rows
+from visualspeech.storage import ArrayCollection
+from visualspeech.timing import frame_times
+
+DRAWS = 2000
+
+
+def takes_of(rows) -> list[tuple[tuple, np.ndarray]]:
+    """Inner words of an utterance: (left word, word, right word, phones), and its phones' borders in seconds."""
+    words = rows[(rows["tier"] == "word") & (rows["label"] != SILENCE)].sort_values("index")
+    phones = rows[rows["tier"] == "phone"].sort_values("index")
+    found, labels = [], words["label"].tolist()
+    for place, number in enumerate(words["index"].tolist()[1:-1], start=1):
+        own = phones[phones["parent"] == number]
+        key = (*labels[place - 1 : place + 2], *own["label"])
+        found.append((key, np.r_[own["start"].to_numpy(float), own["end"].to_numpy(float)[-1]]))
+    return found
+
+
+def at_times(values: np.ndarray, rate: float, times: np.ndarray) -> np.ndarray:
+    """A stream (T, N), linear between the middles of its frames, at times in seconds (M,): (M, N)."""
+    place = np.clip(times * rate - 0.5, 0, len(values) - 1)
+    below = np.minimum(place.astype(int), max(len(values) - 2, 0))
+    share = (place - below)[:, None]
+    return values[below] * (1 - share) + values[np.minimum(below + 1, len(values) - 1)] * share
+
+
+def main(results: str, experiment: str, *models: str) -> None:
+    corpus, run = Path(results), Path(results, experiment)
+    utterances = read_utterances(run / "utterances.tsv")
+    rows = {}
+    for path in sorted(path for path in corpus.glob("alignment/*.tsv") if path.stem.isdigit()):
+        rows.update(read_alignment_rows(path))
+    takes = defaultdict(list)
+    for one in utterances:
+        for key, borders in takes_of(rows[one.id]):
+            takes[key].append((one.id, borders))
+    models = models or tuple(sorted(path.parent.name for path in run.glob("models/*/predictions.h5")))
+    with ArrayCollection(sorted((run / "features").glob("*.h5"))) as features:
+        predictions = {name: ArrayCollection([run / "models" / name / "predictions.h5"]) for name in models}
+        sums = []  # An utterance a row: noise, squared error of each model, frames.
+        for one in of_split(utterances, "test"):
+            truth, rate = np.float64(features.array(one.id, "appearance")), features.rate(one.id)
+            times, total = frame_times(len(truth), rate), np.zeros(2 + len(models))
+            for key, borders in takes_of(rows[one.id]):
+                others = [(name, theirs) for name, theirs in takes[key] if name != one.id]
+                frames = (times >= borders[0]) & (times < borders[-1])
+                if not others or not frames.any():
+                    continue
+                warped = [
+                    at_times(np.float64(features.array(name, "appearance")), features.rate(name), moved)
+                    for name, theirs in others
+                    for moved in [np.interp(times[frames], borders, theirs)]
+                ]
+                total[0] += ((np.array(warped) - truth[frames]) ** 2).mean(axis=(0, 2)).sum() / 2
+                for column, name in enumerate(models, start=1):
+                    predicted = predictions[name].array(one.id, "appearance")[frames]
+                    total[column] += ((predicted - truth[frames]) ** 2).mean(axis=1).sum()
+                total[-1] += frames.sum()
+            sums.append(total)
+    sums = np.array([row for row in sums if row[-1]])
+    drawn = np.random.default_rng(1).integers(0, len(sums), (DRAWS, len(sums)))
+    whole, sampled = sums.sum(axis=0), sums[drawn].sum(axis=1)
+    print(f"{len(sums)} test utterances with a word that has another take, {whole[-1]:.0f} frames")
+    low, high = np.quantile(np.sqrt(sampled[:, 0] / sampled[:, -1]), (0.025, 0.975))
+    print(f"two takes of the same words: {np.sqrt(whole[0] / whole[-1]):.2f} [{low:.2f}, {high:.2f}]")
+    for column, name in enumerate(models, start=1):
+        left = np.quantile(1 - np.sqrt(sampled[:, 0] / sampled[:, column]), (0.025, 0.975))
+        print(
+            f"{name}: {np.sqrt(whole[column] / whole[-1]):.2f}, of its squared error "
+            f"{whole[0] / whole[column]:.0%} is noise, the error could fall by "
+            f"{1 - np.sqrt(whole[0] / whole[column]):.1%} [{left[0]:.1%}, {left[1]:.1%}]"
+        )
+
+
+if __name__ == "__main__":
+    main(*sys.argv[1:])
