@@ -156,10 +156,10 @@ def sample_texture(frame: np.ndarray, image_points: np.ndarray, reference: Refer
     import cv2
 
     places = (reference.weights @ np.asarray(image_points, np.float64)).astype(np.float32)
-    colours = cv2.remap(
-        frame, places[:, None, 0], places[:, None, 1], cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE
-    )
-    return np.ascontiguousarray(colours[:, 0, :].T).reshape(-1)
+    # Places in one row: OpenCV gives the same numbers as for one column, and sooner.
+    x, y = np.ascontiguousarray(places.T)[:, None]
+    colours = cv2.remap(frame, x, y, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
+    return np.ascontiguousarray(colours[0].T).reshape(-1)
 
 
 def sample_textures(frames: Iterable[np.ndarray], image_points: np.ndarray, reference: Reference) -> np.ndarray:
@@ -220,14 +220,9 @@ def render(
     maps = _affine_maps(np.asarray(points, np.float64), reference.grid_shape).astype(np.float32)[index[rows, columns]]
     places = maps[..., 0] * columns[:, None] + maps[..., 1] * rows[:, None] + maps[..., 2]
     picture = texture_picture(np.asarray(texture, np.float32), reference)
-    values = cv2.remap(
-        picture,
-        places[:, None, 0].astype(np.float32),
-        places[:, None, 1].astype(np.float32),
-        cv2.INTER_LINEAR,
-        borderMode=cv2.BORDER_REPLICATE,
-    )
-    colours[rows, columns] = np.clip(np.rint(values[:, 0, :]), 0, 255).astype(np.uint8)
+    x, y = np.ascontiguousarray(places.T, np.float32)[:, None]
+    values = cv2.remap(picture, x, y, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)[0]
+    colours[rows, columns] = np.clip(np.rint(values), 0, 255).astype(np.uint8)
     return colours, inside
 
 
