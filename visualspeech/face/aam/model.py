@@ -28,7 +28,7 @@ from visualspeech.face.aam.points import FREEDOM
 from visualspeech.face.aam.rows import RowFile, choose_frames
 from visualspeech.face.drift import FaceReference, corpus_reference, remove
 from visualspeech.jobs import log, progress
-from visualspeech.storage import read_model, write_model
+from visualspeech.storage import read_model_of, write_model
 
 WEIGHTINGS = ("variance", "none")
 _CHUNK = 256  # frames in work at a time
@@ -237,7 +237,8 @@ class Aam:
 
     @classmethod
     def load(cls, path: str | Path) -> "Aam":
-        tensors, settings = read_model(path)
+        """Read what :meth:`save` wrote; raises as :func:`visualspeech.storage.read_model_of`."""
+        tensors, settings = read_model_of(path, "appearance model", [None], _ARRAYS)
         drift = FaceReference(tensors.pop("drift_shape"), tensors.pop("drift_texture"))
         weight = tensors.pop("shape_weight").item()
         return cls(drift=drift, shape_weight=weight, settings=AamSettings(**settings), **tensors)

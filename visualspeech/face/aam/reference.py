@@ -14,7 +14,7 @@ import numpy as np
 
 from visualspeech.errors import DataError, SettingError
 from visualspeech.face.aam.points import INNER_LIPS, LIPS, LOWERED, POINTS, TRIANGLES
-from visualspeech.storage import read_model, write_model
+from visualspeech.storage import read_model_of, write_model
 
 _INNER = range(INNER_LIPS.start, INNER_LIPS.stop)
 _UPPER, _LOWER = INNER_LIPS.start + 2, INNER_LIPS.start + 6  # middle of the upper and of the lower inner lip
@@ -82,13 +82,16 @@ class Reference:
         return csr_array((self.barycentric.ravel(), (rows, corners)), shape=(self.size, POINTS))
 
     def save(self, path: str | Path) -> None:
-        names = ("mean_shape", "grid_shape", "pixels", "triangle", "barycentric", "nearest")
-        write_model(path, {name: getattr(self, name) for name in names}, asdict(self.settings))
+        write_model(path, {name: getattr(self, name) for name in _ARRAYS}, asdict(self.settings))
 
     @classmethod
     def load(cls, path: str | Path) -> "Reference":
-        tensors, settings = read_model(path)
+        """Read what :meth:`save` wrote; raises as :func:`visualspeech.storage.read_model_of`."""
+        tensors, settings = read_model_of(path, "texture grid", [None], _ARRAYS)
         return cls(settings=ReferenceSettings(**settings), **tensors)
+
+
+_ARRAYS = ("mean_shape", "grid_shape", "pixels", "triangle", "barycentric", "nearest")
 
 
 def fit_reference(shapes: Iterable[np.ndarray], settings: ReferenceSettings | None = None) -> Reference:
