@@ -52,6 +52,7 @@ def resolved(overlay):
         ("aam_source: fitted", "`aam_source: fitted` must be one of landmarks, fit"),
         ("aam: {shape: {components: 0}}", "`aam.shape.components: 0` must be at least 1"),
         ("aam: {images: 300.0}", "`aam.images: 300.0` must be a whole number; write 300"),
+        ("texture: {texture_pixels: 40000}", "`texture.texture_pixels: 40000` must be at most 30000"),
         ("aam: ", "`aam` is empty and must be lines of `key: value`"),
         ("experiment: 3", "`experiment: 3` is not known. Known: fan2015"),
         ("training: {learning_rate: 0}", "`training.learning_rate: 0` must be above 0. Step size"),

@@ -36,9 +36,10 @@ class ReferenceSettings:
     mouth_opening: float = 0.2
 
     def __post_init__(self) -> None:
-        if not (isinstance(self.texture_pixels, int) and self.texture_pixels >= 100):
+        # OpenCV reads no more than 32766 places at a time.
+        if not (isinstance(self.texture_pixels, int) and 100 <= self.texture_pixels <= 30_000):
             raise SettingError(
-                f"texture_pixels is {self.texture_pixels!r}; give a whole number of pixels, 100 or more (6000 serves)."
+                f"texture_pixels is {self.texture_pixels!r}; give a whole number of pixels, 100 to 30000 (6000 serves)."
             )
         if not 0 < self.mouth_opening <= 1:
             raise SettingError(f"mouth_opening is {self.mouth_opening!r}; give a share above 0, up to 1 (0.2 serves).")
