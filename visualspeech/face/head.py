@@ -11,8 +11,8 @@ import numpy as np
 
 from visualspeech.errors import DataError
 from visualspeech.face.camera import point_jacobian, rotation_matrices, solve_pose
-from visualspeech.face.landmarks import POINTS, RIGID
 from visualspeech.face.mean_face import MEAN_FACE
+from visualspeech.face.tracker import POINTS, RIGID
 from visualspeech.storage import read_model_of, write_model
 
 
