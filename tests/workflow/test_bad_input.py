@@ -173,6 +173,10 @@ def test_the_corpus_goes_on_with_the_good_recordings(findings):
         ({"speak": {"model": "FB-17"}}, "`speak.model: FB-17` is not trained. Trained here: FB-16"),
         ({"speak": {"sentences": ["Fine.", "?!"]}}, "no word to pronounce in '?!', text 2 of speak.sentences"),
         ({"speak": {"file": "nowhere.txt"}}, "cannot read the sentences of nowhere.txt: No such file"),
+        (
+            {"speak": {"background": ["nobody"]}},
+            "`speak.background: nobody` is no utterance of the corpus tiny; its ids",
+        ),
         ({"speak": {"voice": {"voice": "martian"}}}, "eSpeak NG has no voice 'martian'; give an English one"),
     ],
 )

@@ -14,6 +14,12 @@ SPEAK = {
 
 if SPEAK["model"] not in MODELS:
     raise WorkflowError(f"`speak.model: {SPEAK['model']}` is not trained. Trained here: {', '.join(MODELS)}.")
+for name in SPEAK["background"]:
+    if name not in PLAN.ids:
+        raise WorkflowError(
+            f"`speak.background: {name}` is no utterance of the corpus {PLAN.name}; its ids are in "
+            f"{CORPUS}/corpus/split.tsv."
+        )
 try:
     SENTENCES = listed_sentences(SPEAK["sentences"], SPEAK["file"])
     if workflow.is_main_process and "voice" in SPEAK["voice"]:
