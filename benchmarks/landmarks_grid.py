@@ -13,8 +13,8 @@ import numpy as np
 from tests.paths import grid_root
 from visualspeech.errors import RejectedUtterance
 from visualspeech.face.dlib_tracker import DlibTracker
-from visualspeech.face.landmarks import LandmarkSettings
 from visualspeech.face.screening import landmark_steps, track_screened
+from visualspeech.face.tracker import LandmarkSettings
 from visualspeech.media import read_frames
 
 PARTS = {"nose": range(27, 36), "mouth": range(48, 68), "jaw": range(17)}

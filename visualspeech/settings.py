@@ -4,7 +4,6 @@ A run has three layers, the later over the earlier: the experiment's file (the n
 and what the command line gives (``--configfile``, ``--config``). The corpus is named, or given as a file or in place.
 """
 
-import difflib
 import os
 from collections.abc import Mapping
 from copy import deepcopy
@@ -15,6 +14,7 @@ import yaml
 
 from visualspeech.errors import SettingError
 from visualspeech.naming import NetworkName, parse_name
+from visualspeech.schema import check, did_you_mean
 
 
 def read_yaml(path: Path) -> dict:
@@ -66,7 +66,7 @@ def resolve(config: Mapping, folder: Path) -> dict:
     layers = read_yaml(_named(experiment, "experiment", folder / "experiments"))
     settings = merged(layers, config)
     settings["corpus"] = _corpus(config.get("corpus"), folder / "corpora")
-    _check(settings, read_yaml(folder.parent / "workflow" / "schemas" / "config.schema.yaml"))
+    check(settings, read_yaml(folder.parent / "workflow" / "schemas" / "config.schema.yaml"))
     _check_together(settings)
     return settings
 
@@ -77,7 +77,7 @@ def _named(name, key: str, folder: Path) -> Path:
         return folder / f"{name}.yaml"
     if isinstance(name, str) and name.endswith((".yaml", ".yml")) and key == "corpus":
         return Path(name)
-    raise SettingError(f"`{key}: {name}` is not known. Known: {', '.join(known)}." + _did_you_mean(str(name), known))
+    raise SettingError(f"`{key}: {name}` is not known. Known: {', '.join(known)}." + did_you_mean(str(name), known))
 
 
 def _corpus(given, folder: Path) -> dict:
@@ -87,45 +87,10 @@ def _corpus(given, folder: Path) -> dict:
     corpus = read_yaml(path)
     # The file may be a whole overlay (`corpus:` on top) or the corpus alone.
     corpus = corpus["corpus"] if isinstance(corpus.get("corpus"), dict) else corpus
-    if corpus.get("root") and not os.path.isabs(os.path.expanduser(corpus["root"])) and path.parent != folder:
-        corpus["root"] = str(path.parent / corpus["root"])
+    root = corpus.get("root")
+    if isinstance(root, str) and root and not os.path.isabs(os.path.expanduser(root)) and path.parent != folder:
+        corpus["root"] = str(path.parent / root)
     return corpus
-
-
-def _check(settings: dict, schema: dict) -> None:
-    from jsonschema import Draft202012Validator
-
-    problems = sorted(Draft202012Validator(schema).iter_errors(settings), key=lambda error: list(map(str, error.path)))
-    if problems:
-        raise SettingError("\n".join(_sentence(problem) for problem in problems))
-
-
-def _sentence(problem) -> str:
-    where = ".".join(str(part) for part in problem.absolute_path)
-    if problem.validator == "additionalProperties":
-        known = sorted(problem.schema.get("properties", {}))
-        extra = [key for key in problem.instance if key not in known]
-        names = ", ".join(f"`{where + '.' if where else ''}{key}`" for key in extra)
-        return (
-            f"unknown setting {names}."
-            + "".join(_did_you_mean(key, known) for key in extra)
-            + (f" Known here: {', '.join(known)}.")
-        )
-    if problem.validator == "required":
-        missing = [key for key in problem.validator_value if key not in problem.instance]
-        return f"`{where or 'the configuration'}` lacks {', '.join(f'`{key}`' for key in missing)}."
-    described = problem.schema.get("description", "")
-    if problem.validator == "enum":
-        choice = ", ".join(str(value) for value in problem.validator_value)
-        return f"`{where}: {problem.instance}` must be one of {choice}. {described}".rstrip()
-    if problem.validator in ("oneOf", "anyOf"):
-        return f"`{where}: {problem.instance}` does not fit. {described}".rstrip()
-    return f"`{where}: {problem.instance}`: {problem.message}. {described}".rstrip()
-
-
-def _did_you_mean(word: str, known: list[str]) -> str:
-    close = difflib.get_close_matches(word, known, n=1)
-    return f" Did you mean `{close[0]}`?" if close else ""
 
 
 def _check_together(settings: dict) -> None:
@@ -134,13 +99,13 @@ def _check_together(settings: dict) -> None:
     if abs(sum(shares.values()) - 1) > 1e-6:
         raise SettingError(f"`split`: the shares must sum to 1, they sum to {sum(shares.values()):g}.")
     networks = settings["networks"]
-    if networks.get("b_nodes") == "layer" and any("B" in stack for stack in networks["stacks"]):
-        for nodes in networks["nodes"]:
-            if nodes % 2:
-                raise SettingError(
-                    f"`networks.nodes: {nodes}` is odd; with `networks.b_nodes: layer` the two directions of a B layer "
-                    "share its nodes. Give an even number."
-                )
+    for cell in network_cells(settings):
+        key = f"networks.richer: {cell.letters}-{cell.nodes}" if cell.rich else f"networks.nodes: {cell.nodes}"
+        if networks.get("b_nodes") == "layer" and "B" in cell.letters and cell.nodes % 2:
+            raise SettingError(
+                f"`{key}` is odd; with `networks.b_nodes: layer` the two directions of a B layer share its nodes. "
+                "Give an even number."
+            )
     shown = settings["videos"]["model"]
     if shown not in model_names(settings):
         raise SettingError(f"`videos.model: {shown}` is not trained. Trained here: {', '.join(model_names(settings))}.")
@@ -151,9 +116,14 @@ def network_seeds(settings: Mapping) -> list[int]:
     return settings["networks"].get("seeds") or [settings["seed"]]
 
 
+def network_cells(settings: Mapping) -> list[NetworkName]:
+    """The networks of a run but for their seeds: one a stack and width, then those of richer labels."""
+    networks = settings["networks"]
+    plain = [NetworkName(stack, nodes) for stack in networks["stacks"] for nodes in networks["nodes"]]
+    return plain + [replace(parse_name(name), rich=True) for name in networks.get("richer", [])]
+
+
 def model_names(settings: Mapping) -> list[str]:
     """Names of the networks of a run: one a stack and width (``FBB-128``), those of richer labels, further seeds."""
-    networks, (_, *further) = settings["networks"], network_seeds(settings)
-    cells = [NetworkName(stack, nodes) for stack in networks["stacks"] for nodes in networks["nodes"]]
-    cells += [replace(parse_name(name), rich=True) for name in networks.get("richer", [])]
-    return [str(replace(cell, seed=seed)) for seed in [None, *further] for cell in cells]
+    _, *further = network_seeds(settings)
+    return [str(replace(cell, seed=seed)) for seed in [None, *further] for cell in network_cells(settings)]

@@ -8,7 +8,7 @@ half-written under a name that another job reads. Nothing here unpickles or exec
 import json
 import os
 import shutil
-from collections.abc import Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
 
@@ -335,3 +335,30 @@ def read_model(path: str | Path) -> tuple[dict[str, np.ndarray], dict]:
         raise StorageError(
             f"{path} is not a model of this project ({error!r}). Give the .safetensors file that a run has written."
         ) from error
+
+
+def read_model_of(
+    path: str | Path, what: str, kinds: Collection[str | None], arrays: Collection[str] = ()
+) -> tuple[dict[str, np.ndarray], dict]:
+    """Read a model as :func:`read_model` does, if it is one of the kinds wanted.
+
+    Parameters
+    ----------
+    what : name of the kind in messages
+    kinds : what ``kind`` in its settings may be; None is a model whose settings name no kind
+    arrays : arrays that it must hold
+
+    Raises
+    ------
+    StorageError
+        The file is missing, no model, or a model of another kind.
+    """
+    tensors, settings = read_model(path)
+    if settings.get("kind") not in kinds or not set(arrays) <= set(tensors):
+        raise StorageError(f"{path} holds no {what}. Give the file that a run has written for it.")
+    return tensors, settings
+
+
+def part_of(tensors: Mapping[str, np.ndarray], part: str) -> dict[str, np.ndarray]:
+    """Of arrays named ``part.name`` those of one part, by the rest of their names."""
+    return {name.removeprefix(f"{part}."): values for name, values in tensors.items() if name.startswith(f"{part}.")}

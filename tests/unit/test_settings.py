@@ -13,8 +13,8 @@ from visualspeech.face.aam.model import AamSettings
 from visualspeech.face.aam.reference import ReferenceSettings
 from visualspeech.face.drift import DriftSettings
 from visualspeech.face.head import PoseSettings
-from visualspeech.face.landmarks import LandmarkSettings
 from visualspeech.face.screening import ScreeningSettings
+from visualspeech.face.tracker import LandmarkSettings
 from visualspeech.features.streams import FeatureSettings
 from visualspeech.models.baselines import BaselineSettings
 from visualspeech.models.training import TrainingSettings

@@ -11,7 +11,7 @@ import yaml
 
 from tests import synthetic
 from tests.paths import REPOSITORY
-from tests.workflow.running import command, snakemake
+from tests.workflow.running import TINY, command, snakemake
 from visualspeech.media import read_audio, read_frames
 from visualspeech.storage import read_table
 
@@ -166,12 +166,24 @@ def test_the_corpus_goes_on_with_the_good_recordings(findings):
         ({"corpus": {"name": "x", "adapter": "folder"}}, "root"),
         ({"corpus": "griid"}, "Did you mean `grid`?"),
         ({"shards": 0}, "`shards: 0`"),
+        ({"networks": {"stacks": [False]}}, "`networks.stacks.0: false` must be a text"),
+        ({"aam": {"shape": {"components": 93}}}, "`aam.shape.components: 93` is more than there can be"),
+        ({"aam": {"texture": {"components": 300}}}, "300 images give 299 at most"),
+        ({"preference": {"models": ["FB-16", "FB-17"]}}, "`preference.models: FB-17` is not there. Known: FB-16"),
+        ({"speak": {"model": "FB-17"}}, "`speak.model: FB-17` is not trained. Trained here: FB-16"),
+        ({"speak": {"sentences": ["Fine.", "?!"]}}, "no word to pronounce in '?!', text 2 of speak.sentences"),
+        ({"speak": {"file": "nowhere.txt"}}, "cannot read the sentences of nowhere.txt: No such file"),
+        (
+            {"speak": {"background": ["nobody"]}},
+            "`speak.background: nobody` is no utterance of the corpus tiny; its ids",
+        ),
+        ({"speak": {"voice": {"voice": "martian"}}}, "eSpeak NG has no voice 'martian'; give an English one"),
     ],
 )
 def test_bad_settings_fail_before_any_job(settings, said, tmp_path):
     overlay = tmp_path / "bad.yaml"
     overlay.write_text(yaml.safe_dump(settings))
-    done = snakemake(tmp_path, "all", configfiles=(overlay,))
+    done = snakemake(tmp_path, "all", configfiles=(TINY, overlay))
     assert done.returncode != 0
     assert said in done.stdout
     assert "Traceback" not in done.stdout and "rule " not in done.stdout

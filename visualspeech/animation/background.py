@@ -12,8 +12,8 @@ import numpy as np
 
 from visualspeech.errors import DataError, StorageError
 from visualspeech.face.drift import FaceReference
-from visualspeech.face.landmarks import RIGID
 from visualspeech.face.pose import Pose
+from visualspeech.face.tracker import RIGID
 from visualspeech.storage import ArrayReader, ArrayWriter
 
 UPPER = np.r_[0:3, 14:17, 17:48]

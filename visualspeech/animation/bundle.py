@@ -22,7 +22,7 @@ from visualspeech.face.head import HeadModel
 from visualspeech.models.network import Network
 from visualspeech.provenance import file_digest
 from visualspeech.speech.phones import SILENCE
-from visualspeech.storage import read_model, read_text, write_model, write_text
+from visualspeech.storage import read_model_of, read_text, write_model, write_text
 from visualspeech.timing import frame_times
 
 KIND = "visualspeech speaker"
@@ -82,13 +82,17 @@ class SpeakerBundle:
         network = Network.load(folder / FILES["network"])
         speaker = Speaker.load(*(folder / FILES[name] for name in ("head", "aam", "reference")))
         check_together(network, speaker, about["parts"]["aam"], about["phones"])
-        rest = read_model(folder / FILES["rest"])[0]["appearance"]
+        rest = read_model_of(folder / FILES["rest"], "face at rest", ["rest"], ["appearance"])[0]["appearance"]
         if rest.shape != (network.outputs,):
             raise DataError(f"{folder / FILES['rest']} is a face of another appearance model. Make the speaker anew.")
+        background, aam = Background.load(folder / FILES["background"]), speaker.aam
+        sizes = background.shapes.shape[1], background.textures.shape[1]
+        if sizes != (len(aam.shape_mean), len(aam.texture_mean)):
+            raise DataError(f"{folder / FILES['background']} is of another appearance model. Make the speaker anew.")
         return cls(
             network=network,
             speaker=speaker,
-            background=Background.load(folder / FILES["background"]),
+            background=background,
             rest=rest,
             shares={phone: tuple(values) for phone, values in about["state_shares"].items()},
             corpus=about["corpus"],
@@ -210,11 +214,27 @@ def _description(folder: Path) -> dict:
         about = json.loads(read_text(path))
     except ValueError as error:
         raise StorageError(f"{path} is damaged ({error}). Make the speaker anew.") from error
-    wanted = ("parts", "phones", "state_shares", "corpus", "model", "consent")
-    if not isinstance(about, dict) or about.get("kind") != KIND or any(key not in about for key in wanted):
+    if not isinstance(about, dict) or about.get("kind") != KIND or not _is_complete(about):
         raise StorageError(f"{path} does not describe a speaker of this project. Make the speaker anew.")
     if about.get("version") != VERSION:
         raise StorageError(
             f"{folder} is a speaker of version {about.get('version')}, this program reads {VERSION}. Make it anew."
         )
     return about
+
+
+def _is_complete(about: dict) -> bool:
+    """Whether a description holds all that is read of it, each of its kind."""
+
+    def is_share(values) -> bool:
+        return isinstance(values, list) and len(values) == 3 and all(isinstance(one, int | float) for one in values)
+
+    parts, phones, shares = (about.get(key) for key in ("parts", "phones", "state_shares"))
+    return (
+        all(isinstance(about.get(key), str) for key in ("corpus", "model", "consent"))
+        and isinstance(parts, dict)
+        and isinstance(phones, list)
+        and all(isinstance(phone, str) for phone in phones)
+        and isinstance(shares, dict)
+        and all(map(is_share, shares.values()))
+    )

@@ -185,8 +185,6 @@ def write_talking_head(
 ) -> None:
     """Write the video of one utterance: the original and one panel for each stream of parameters, with its sound.
 
-    Frames are made and encoded one at a time; memory does not grow with the length of the pictures.
-
     Parameters
     ----------
     appearances : title of a panel -> appearance parameters v (frames, N) and their frame rate in Hz; they are brought
@@ -200,15 +198,33 @@ def write_talking_head(
     RejectedUtterance
         The recording cannot be read.
     """
+    metadata = video_metadata(utterance.id, corpus, model, consent)
+    write_panels(path, utterance, recording, appearances, speaker, metadata, settings, original=True)
+
+
+def write_panels(
+    path: str | Path,
+    utterance: Utterance,
+    recording: Recording,
+    appearances: Mapping[str, tuple[np.ndarray, float]],
+    speaker: Speaker,
+    metadata: Mapping[str, str],
+    settings: VideoSettings | None = None,
+    original: bool = False,
+) -> None:
+    """Write a panel for each stream of parameters, beside the original or without it; see :func:`write_talking_head`.
+
+    Frames are made and encoded one at a time; memory does not grow with the length of the pictures.
+    """
     settings = settings or VideoSettings()
     rate = probe(utterance.media).rate
     length = len(recording.landmarks)
-    sources = tee(read_frames(utterance.media, utterance.start, utterance.end), 1 + len(appearances))
-    panels = [Panel("original", sources[0], synthetic=False)]
-    for source, (title, (values, values_rate)) in zip(sources[1:], appearances.items(), strict=True):
+    frames = read_frames(utterance.media, utterance.start, utterance.end)
+    # Every panel reads the frames for itself; the original shows them as they are.
+    sources = list(tee(frames, original + len(appearances)))
+    panels = [Panel("original", sources.pop(0), synthetic=False)] if original else []
+    for source, (title, (values, values_rate)) in zip(sources, appearances.items(), strict=True):
         values = resample(values, values_rate, rate, length)
-        frames = synthetic_frames(source, values, recording, speaker, settings.rendering)
-        panels.append(Panel(title, frames))
+        panels.append(Panel(title, synthetic_frames(source, values, recording, speaker, settings.rendering)))
     sound = read_audio(utterance.media, AUDIO_RATE, utterance.start, utterance.end)
-    metadata = video_metadata(utterance.id, corpus, model, consent)
     write_video(path, side_by_side(panels, settings.label), rate, sound, AUDIO_RATE, metadata)

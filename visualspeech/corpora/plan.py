@@ -20,12 +20,13 @@ COLUMNS = ("id", "speaker", "media", "transcript", "emotion", "start", "end")
 
 @dataclass(frozen=True)
 class CorpusPlan:
-    """Name and adapter of a corpus, the shards that hold utterances, and the files that each shard reads."""
+    """Name and adapter of a corpus, its shards, the files that each shard reads, and the ids of its utterances."""
 
     name: str
     adapter: str
     shards: list[str]
     media: dict[str, list[str]]
+    ids: frozenset[str]
 
 
 def plan_corpus(corpus: Mapping, shards: int, shares: Mapping[str, float], seed: int, results: str) -> CorpusPlan:
@@ -58,7 +59,7 @@ def plan_corpus(corpus: Mapping, shards: int, shares: Mapping[str, float], seed:
     else:
         # A listed file that is not there is a finding of the check, not a missing input.
         media = {shard: _existing(members) for shard, members in by_shard.items()}
-    return CorpusPlan(corpus["name"], corpus["adapter"], sorted(by_shard, key=int), media)
+    return CorpusPlan(corpus["name"], corpus["adapter"], sorted(by_shard, key=int), media, frozenset(split))
 
 
 def _existing(utterances: list[Utterance]) -> list[str]:

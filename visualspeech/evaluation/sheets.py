@@ -11,7 +11,6 @@ from dataclasses import dataclass
 from visualspeech.errors import StorageError
 from visualspeech.evaluation.escaping import markdown, tex
 from visualspeech.evaluation.table_formats import PAGE_STYLE
-from visualspeech.evaluation.tables import TableFacts
 from visualspeech.storage import table_text
 
 
@@ -55,18 +54,6 @@ class Sheet:
     facts: tuple[tuple[str, str], ...] = ()
     notes: tuple[str, ...] = ()
     corner: str = ""
-
-
-def run_facts(facts: TableFacts, table) -> tuple[tuple[str, str], ...]:
-    """What the figures of a run were computed on, as facts of its sheets; ``table`` is of any of its rows."""
-    return (
-        ("corpus", facts.corpus),
-        ("experiment", facts.experiment),
-        ("split", facts.split_hash),
-        ("drift removal", facts.drift),
-        ("test utterances", str(len(table))),
-        ("test frames", str(int(table["frames"].sum()))),
-    )
 
 
 def all_forms(frame, sheets: Sequence[Sheet], title: str) -> tuple[str, str, str, str]:

@@ -98,6 +98,18 @@ class ResultTable:
     best: frozenset[tuple[str, str]] = field(default=frozenset())
 
 
+def run_facts(facts: TableFacts, table) -> tuple[tuple[str, str], ...]:
+    """What the figures of a run were computed on, as facts of its sheets; ``table`` is of any of its rows."""
+    return (
+        ("corpus", facts.corpus),
+        ("experiment", facts.experiment),
+        ("split", facts.split_hash),
+        ("drift removal", facts.drift),
+        ("test utterances", str(len(table))),
+        ("test frames", str(int(table["frames"].sum()))),
+    )
+
+
 def result_table(
     tables: Mapping[str, object],
     facts: TableFacts,
@@ -129,14 +141,8 @@ def result_table(
         }
         for line in summary.itertuples()
     }
-    table = tables[BASE_ROW]
     lines = [
-        ("corpus", facts.corpus),
-        ("experiment", facts.experiment),
-        ("split", facts.split_hash),
-        ("drift removal", facts.drift),
-        ("test utterances", str(len(table))),
-        ("test frames", str(int(table["frames"].sum()))),
+        *run_facts(facts, tables[BASE_ROW]),
         (
             "intervals",
             f"{bootstrap.level * 100:g} % percentile bootstrap over utterances, {bootstrap.samples} samples, "

@@ -13,7 +13,7 @@ import functools
 
 import numpy as np
 
-from visualspeech.face.landmarks import RIGID, LandmarkSettings
+from visualspeech.face.tracker import RIGID, LandmarkSettings
 
 # The box in units of the RMS radius of the rigid points: its side, and how far its centre lies below theirs. The
 # detector draws it at 5.39 and 0.40 on GRID's s1 on the average; a little smaller and lower, the points shake less
@@ -44,7 +44,7 @@ def _models():
 
 
 class DlibTracker:
-    """Follows the face of one recording; see :class:`visualspeech.face.landmarks.Tracker`."""
+    """Follows the face of one recording; see :class:`visualspeech.face.tracker.Tracker`."""
 
     def __init__(self, settings: LandmarkSettings) -> None:
         import cv2

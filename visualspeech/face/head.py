@@ -9,11 +9,11 @@ from dataclasses import asdict, dataclass, fields
 
 import numpy as np
 
-from visualspeech import storage
-from visualspeech.errors import DataError, StorageError
+from visualspeech.errors import DataError
 from visualspeech.face.camera import point_jacobian, rotation_matrices, solve_pose
-from visualspeech.face.landmarks import POINTS, RIGID
 from visualspeech.face.mean_face import MEAN_FACE
+from visualspeech.face.tracker import POINTS, RIGID
+from visualspeech.storage import read_model_of, write_model
 
 
 @dataclass(frozen=True)
@@ -82,7 +82,7 @@ class HeadModel:
         tensors = {
             name: np.asarray(getattr(self, name)) for name in ("points3d", "rigid", "weights", "centre", "offset")
         }
-        storage.write_model(
+        write_model(
             path,
             tensors,
             {"kind": "head", "focal": self.focal, "size": list(self.size), "settings": asdict(self.settings)},
@@ -90,16 +90,8 @@ class HeadModel:
 
     @classmethod
     def load(cls, path) -> "HeadModel":
-        """Read what :meth:`save` wrote.
-
-        Raises
-        ------
-        StorageError
-            The file is no head model.
-        """
-        tensors, stored = storage.read_model(path)
-        if stored.get("kind") != "head":
-            raise StorageError(f"{path} holds no head model. Delete it and run again to make it anew.")
+        """Read what :meth:`save` wrote; raises as :func:`visualspeech.storage.read_model_of`."""
+        tensors, stored = read_model_of(path, "head model", ["head"])
         known = {field.name for field in fields(PoseSettings)}
         settings = PoseSettings(**{key: value for key, value in stored["settings"].items() if key in known})
         return cls(**tensors, focal=float(stored["focal"]), size=tuple(stored["size"]), settings=settings)

@@ -1,7 +1,8 @@
 """Landmarks: the 68 iBUG points of the speaker's face in every frame of a recording.
 
-The tracker is replaceable: anything that satisfies :class:`Tracker` can be registered in :data:`TRACKERS`. The default
-one is dlib's regression-tree predictor (Kazemi & Sullivan, CVPR 2014), fed with a crop that follows the face.
+The tracker is replaceable: whatever satisfies :class:`visualspeech.face.tracker.Tracker` can be registered in
+:data:`TRACKERS`. The default one is dlib's regression-tree predictor (Kazemi & Sullivan, CVPR 2014), fed with a crop
+that follows the face.
 
 Licence of the default tracker's model: the 68-point model file of ``face-recognition-models`` was trained on the iBUG
 300-W pictures, whose licence excludes commercial use. Ask Imperial College London before you use it in a product, or
@@ -10,44 +11,12 @@ register a tracker of your own.
 
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
-from typing import Protocol
 
 import numpy as np
 
 from visualspeech.errors import RejectedUtterance, SettingError
-
-POINTS = 68
-# Points that the skull carries: bridge and base of the nose, corners of the eyes.
-RIGID = np.array([27, 28, 29, 30, 31, 32, 33, 34, 35, 36, 39, 42, 45])
-
-
-@dataclass(frozen=True)
-class LandmarkSettings:
-    """How faces are found and followed.
-
-    Parameters
-    ----------
-    tracker : name in :data:`TRACKERS`
-    face_pixels : side in pixels to which the face box is brought before points are predicted; points come in whole
-        pixels of this picture, so a larger side means finer points, and slower (400 is 3.4x upsampling on GRID)
-    predictions : predictions a frame, each on a slightly different crop, averaged
-    detector_pixels : longest side in pixels of the picture in which a face is searched for
-    search_every : frames between two searches of the whole frame
-    likeness : correlation with the last confirmed face below which the detector is asked again (0..1)
-    smoothing : standard deviation in frames of the Gaussian that smooths the points in time; 0 for none
-    missing_share : share of frames without a face beyond which an utterance is rejected
-    missing_run : seconds without a face beyond which an utterance is rejected
-    """
-
-    tracker: str = "dlib"
-    face_pixels: int = 400
-    predictions: int = 1
-    detector_pixels: int = 640
-    search_every: int = 25
-    likeness: float = 0.8
-    smoothing: float = 0.4
-    missing_share: float = 0.2
-    missing_run: float = 0.4
+from visualspeech.face.dlib_tracker import DlibTracker
+from visualspeech.face.tracker import POINTS, LandmarkSettings, Tracker
 
 
 @dataclass(frozen=True)
@@ -67,16 +36,6 @@ class Landmarks:
     width: int
     height: int
     findings: tuple[str, ...] = ()
-
-
-class Tracker(Protocol):
-    """Follows one face through the frames of one recording; a fresh tracker is made for every recording."""
-
-    def next(self, frame: np.ndarray) -> np.ndarray | None:
-        """The points (68, 2) in pixels of the next frame, (height, width, 3) uint8 RGB; None where there is no face."""
-
-    def faces(self) -> int:
-        """The largest number of faces that a frame has held so far."""
 
 
 def track(frames: Iterable[np.ndarray], settings: LandmarkSettings | None = None, rate: float = 25.0) -> Landmarks:
@@ -167,10 +126,5 @@ def smooth(points: np.ndarray, deviation: float) -> np.ndarray:
     return gaussian_filter1d(points, deviation, axis=0, mode="nearest", truncate=4.0)
 
 
-def _dlib_tracker(settings: LandmarkSettings) -> Tracker:
-    from visualspeech.face.dlib_tracker import DlibTracker
-
-    return DlibTracker(settings)
-
-
-TRACKERS: dict[str, Callable[[LandmarkSettings], Tracker]] = {"dlib": _dlib_tracker}
+#: A tracker by its name in the settings; one is made for each recording.
+TRACKERS: dict[str, Callable[[LandmarkSettings], Tracker]] = {"dlib": DlibTracker}

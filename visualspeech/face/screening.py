@@ -14,7 +14,8 @@ import numpy as np
 
 from visualspeech.errors import RejectedUtterance
 from visualspeech.face.head import HeadModel
-from visualspeech.face.landmarks import Landmarks, LandmarkSettings, longest_run, track
+from visualspeech.face.landmarks import Landmarks, longest_run, track
+from visualspeech.face.tracker import LandmarkSettings
 
 REMEDY = "Play the recording; copy or convert it again from its source, or leave it out."
 # Pictures are compared at this size: coding noise averages out, broken blocks do not.

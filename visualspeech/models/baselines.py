@@ -8,7 +8,7 @@ import numpy as np
 
 from visualspeech.errors import DataError, SettingError
 from visualspeech.features.labels import STATES
-from visualspeech.storage import read_model, write_model
+from visualspeech.storage import part_of, read_model_of, write_model
 
 KINDS = ("training_mean", "phone_state_mean", "triphone_state_mean")
 
@@ -104,28 +104,14 @@ class Baseline:
 
     @staticmethod
     def load(path: str | Path) -> "Baseline":
-        """Read what :meth:`save` wrote.
-
-        Raises
-        ------
-        StorageError
-            The file is missing or no model.
-        DataError
-            It is another kind of model.
-        """
-        tensors, settings = read_model(path)
-        if settings.get("kind") not in KINDS:
-            raise DataError(f"{path} is no baseline. Give a file that `save` of a baseline has written.")
-        parts = [
-            {name.split(".", 1)[1]: values for name, values in tensors.items() if name.startswith(f"{part}.")}
-            for part in ("codes", "means", "counts")
-        ]
+        """Read what :meth:`save` wrote; raises as :func:`visualspeech.storage.read_model_of`."""
+        tensors, settings = read_model_of(path, "baseline", KINDS)
         return Baseline(
             settings["kind"],
             BaselineSettings(**settings["baseline"]),
             settings["phones"],
             tensors["mean"],
-            *parts,
+            *(part_of(tensors, part) for part in ("codes", "means", "counts")),
         )
 
 

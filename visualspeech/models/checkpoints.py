@@ -7,7 +7,7 @@ import torch
 
 from visualspeech.errors import StorageError
 from visualspeech.jobs import log
-from visualspeech.storage import read_model, write_model
+from visualspeech.storage import part_of, read_model, write_model
 
 
 def write_checkpoint(path: str | Path, identity: str, state) -> None:
@@ -52,11 +52,11 @@ def read_checkpoint(path: str | Path, identity: str, state) -> bool:
     if settings.get("kind") != "checkpoint" or settings.get("identity") != identity:
         log.info("%s is of other settings, data or code; training starts anew", path)
         return False
-    state.module.load_state_dict(_part(tensors, "weights."))
-    state.average.load_state_dict(_part(tensors, "average."))
-    state.best = _part(tensors, "best.")
+    state.module.load_state_dict(_part(tensors, "weights"))
+    state.average.load_state_dict(_part(tensors, "average"))
+    state.best = _part(tensors, "best")
     moments: dict[int, dict[str, torch.Tensor]] = {}
-    for name, values in _part(tensors, "optimiser.").items():
+    for name, values in _part(tensors, "optimiser").items():
         number, entry = name.split(".", 1)
         moments.setdefault(int(number), {})[entry] = values.reshape(()) if entry == "step" else values
     groups = state.optimiser.state_dict()["param_groups"]
@@ -72,5 +72,5 @@ def read_checkpoint(path: str | Path, identity: str, state) -> bool:
     return True
 
 
-def _part(tensors, prefix: str) -> dict[str, torch.Tensor]:
-    return {name.removeprefix(prefix): torch.tensor(v) for name, v in tensors.items() if name.startswith(prefix)}
+def _part(tensors, part: str) -> dict[str, torch.Tensor]:
+    return {name: torch.tensor(values) for name, values in part_of(tensors, part).items()}

@@ -12,7 +12,7 @@ import torch
 from visualspeech.errors import DataError
 from visualspeech.features.richer import part_sizes
 from visualspeech.models.blstm import Stack, StackSettings
-from visualspeech.storage import read_model, write_model
+from visualspeech.storage import part_of, read_model_of, write_model
 
 
 @contextmanager
@@ -98,23 +98,12 @@ class Network:
 
     @staticmethod
     def load(path: str | Path) -> "Network":
-        """Read what :meth:`save` wrote.
-
-        Raises
-        ------
-        StorageError
-            The file is missing or no model.
-        DataError
-            It is another kind of model.
-        """
-        tensors, settings = read_model(path)
-        if settings.get("kind") != "network":
-            raise DataError(f"{path} is no network. Give a network.safetensors that a run has written.")
-        weights = {name.removeprefix("weights."): values for name, values in tensors.items() if name != "mean"}
+        """Read what :meth:`save` wrote; raises as :func:`visualspeech.storage.read_model_of`."""
+        tensors, settings = read_model_of(path, "network", ["network"])
         return Network(
             stack=StackSettings(**settings["stack"]),
             phones=tuple(settings["phones"]),
-            weights=weights,
+            weights=part_of(tensors, "weights"),
             mean=tensors["mean"],
             scale=settings["scale"],
             rate=settings["rate"],

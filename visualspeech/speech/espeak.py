@@ -54,7 +54,7 @@ class Engine:
         if self.rate <= 0:
             raise RuntimeError("eSpeak NG cannot read its data")
         if self.native.espeak_SetVoiceByName(voice.encode()) != 0:
-            raise ValueError(f"eSpeak NG has no voice {voice!r}")
+            raise ValueError(f"eSpeak NG has no voice {voice!r}; give an English one such as en-us or en-gb")
 
     def pronounce(self, word: str, marks: bool = False) -> list[str]:
         """Phoneme mnemonics of one word, without or with its marks of stress (``'`` primary, ``,`` secondary)."""

@@ -48,8 +48,9 @@ def listed_sentences(given: Sequence[str], path: str = "") -> dict[str, str]:
     SettingError
         The file cannot be read or is empty, or a text holds no word to pronounce.
     """
-    texts = list(given)
+    place, texts = "speak.sentences", list(given)
     if path:
+        place = path
         try:
             lines = Path(path).read_text(encoding="utf-8-sig").splitlines()
         except (OSError, UnicodeDecodeError) as error:
@@ -58,8 +59,12 @@ def listed_sentences(given: Sequence[str], path: str = "") -> dict[str, str]:
         texts = [line.strip() for line in lines if line.strip()]
         if not texts:
             raise SettingError(f"{path} holds no sentence; write one text a line.")
-    for text in texts:
-        split_sentences(text)
+    for number, text in enumerate(texts, start=1):
+        if not pronounceable(text):
+            raise SettingError(
+                f"there is no word to pronounce in {text[:60]!r}, text {number} of {place}; give a sentence in English "
+                "words or numbers."
+            )
     return {f"{number:03d}": text for number, text in enumerate(texts, start=1)}
 
 

@@ -4,6 +4,7 @@ from snakemake.exceptions import WorkflowError
 from visualspeech import settings
 from visualspeech.corpora.plan import hold, plan_corpus
 from visualspeech.errors import VisualSpeechError
+from visualspeech.face.aam.model import AamSettings
 from visualspeech.models.names import BASELINES, HMMS
 from visualspeech.features.richer import PARTS
 from visualspeech.naming import parse_name
@@ -11,6 +12,7 @@ from visualspeech.provenance import code_digest
 
 try:
     SETTINGS = settings.resolve(config, Path(workflow.basedir, "config"))
+    AamSettings(**SETTINGS["aam"])  # more components than there can be are told now
     if workflow.is_main_process and not workflow.dryrun:
         LOCK = hold("results")
     PLAN = plan_corpus(SETTINGS["corpus"], SETTINGS["shards"], SETTINGS["split"], SETTINGS["seed"], "results")

@@ -1,5 +1,6 @@
 # A speaker who says any text: the bundle that the console command `visualspeech speak` takes, and given sentences.
 from visualspeech.speech.sentences import listed_sentences
+from visualspeech.speech.tts import letter_to_sound
 
 SPEAK = {
     "model": SETTINGS["videos"]["model"],
@@ -13,8 +14,16 @@ SPEAK = {
 
 if SPEAK["model"] not in MODELS:
     raise WorkflowError(f"`speak.model: {SPEAK['model']}` is not trained. Trained here: {', '.join(MODELS)}.")
+for name in SPEAK["background"]:
+    if name not in PLAN.ids:
+        raise WorkflowError(
+            f"`speak.background: {name}` is no utterance of the corpus {PLAN.name}; its ids are in "
+            f"{CORPUS}/corpus/split.tsv."
+        )
 try:
     SENTENCES = listed_sentences(SPEAK["sentences"], SPEAK["file"])
+    if workflow.is_main_process and "voice" in SPEAK["voice"]:
+        letter_to_sound("a", SPEAK["voice"]["voice"])
 except VisualSpeechError as error:
     raise WorkflowError(f"`speak`: {error}")
 

@@ -5,9 +5,9 @@ from pathlib import Path
 from visualspeech.corpora.table import read_split
 from visualspeech.evaluation.comparisons import ComparisonSettings, compare, comparison_sheets
 from visualspeech.evaluation.repetitions import pooled
-from visualspeech.evaluation.sheets import all_forms, run_facts
+from visualspeech.evaluation.sheets import all_forms
 from visualspeech.evaluation.statistics import BASE_ROW, BootstrapSettings
-from visualspeech.evaluation.tables import TableFacts
+from visualspeech.evaluation.tables import TableFacts, run_facts
 from visualspeech.jobs import job
 from visualspeech.provenance import split_hash
 from visualspeech.storage import read_table, write_text

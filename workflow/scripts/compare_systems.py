@@ -6,10 +6,10 @@ from visualspeech.corpora.table import read_split
 from visualspeech.evaluation.comparisons import ComparisonSettings
 from visualspeech.evaluation.published_results import published
 from visualspeech.evaluation.repetitions import pooled
-from visualspeech.evaluation.sheets import all_forms, run_facts
+from visualspeech.evaluation.sheets import all_forms
 from visualspeech.evaluation.statistics import BootstrapSettings
 from visualspeech.evaluation.systems import best_network, system_frame, system_sheets
-from visualspeech.evaluation.tables import TableFacts
+from visualspeech.evaluation.tables import TableFacts, run_facts
 from visualspeech.jobs import job
 from visualspeech.provenance import split_hash
 from visualspeech.storage import read_table, write_text

@@ -4,9 +4,9 @@ from pathlib import Path
 
 from visualspeech.corpora.table import read_split
 from visualspeech.evaluation.published_results import published
-from visualspeech.evaluation.sheets import all_forms, run_facts
+from visualspeech.evaluation.sheets import all_forms
 from visualspeech.evaluation.statistics import BASE_ROW
-from visualspeech.evaluation.tables import TableFacts, TableSettings
+from visualspeech.evaluation.tables import TableFacts, TableSettings, run_facts
 from visualspeech.evaluation.topologies import topology_frame, topology_sheets
 from visualspeech.jobs import job
 from visualspeech.provenance import split_hash

@@ -3,8 +3,8 @@
 from visualspeech.corpora.findings import WARN, Finding, rejection, write_findings
 from visualspeech.corpora.table import read_utterances
 from visualspeech.errors import RejectedUtterance
-from visualspeech.face.landmarks import LandmarkSettings
 from visualspeech.face.screening import ScreeningSettings, track_screened
+from visualspeech.face.tracker import LandmarkSettings
 from visualspeech.jobs import job, progress
 from visualspeech.media import probe, read_frames
 from visualspeech.storage import ArrayReader, ArrayWriter

@@ -67,6 +67,12 @@ def test_folders_that_are_no_speaker(copy, tmp_path):
     for text, said in [
         ("{", "damaged"),
         ("{}", "does not describe"),
+        (json.dumps([about]), "does not describe"),
+        (json.dumps(about | {"parts": ["network"]}), "does not describe"),
+        (json.dumps(about | {"phones": 40}), "does not describe"),
+        (json.dumps(about | {"phones": [1, *about["phones"]]}), "does not describe"),
+        (json.dumps(about | {"state_shares": {"aa": [0.5, 0.5]}}), "does not describe"),
+        (json.dumps(about | {"consent": None}), "does not describe"),
         (json.dumps(about | {"version": 9}), "version 9"),
     ]:
         (copy / "speaker.json").write_text(text)
@@ -75,6 +81,38 @@ def test_folders_that_are_no_speaker(copy, tmp_path):
     (copy / "speaker.json").write_text(json.dumps(about))
     (copy / FILES["head"]).unlink()
     with pytest.raises(StorageError, match="lacks head.safetensors"):
+        SpeakerBundle.load(copy)
+
+
+@pytest.mark.parametrize(
+    ("part", "given", "said"),
+    [
+        ("network", "aam", "network.safetensors holds no network"),
+        ("aam", "network", "aam.safetensors holds no appearance model"),
+        ("reference", "network", "reference.safetensors holds no texture grid"),
+        ("reference", "aam", "reference.safetensors holds no texture grid"),
+        ("head", "network", "head.safetensors holds no head model"),
+        ("rest", "network", "rest.safetensors holds no face at rest"),
+        ("background", "network", "cannot read .*background.h5"),
+    ],
+)
+def test_parts_of_another_kind_are_named(copy, part, given, said):
+    """Digests alone would let through what somebody has put together by hand."""
+    (copy / FILES[part]).write_bytes((copy / FILES[given]).read_bytes())
+    about = json.loads((copy / "speaker.json").read_text())
+    about["parts"][part] = about["parts"][given]
+    (copy / "speaker.json").write_text(json.dumps(about))
+    with pytest.raises(StorageError, match=said):
+        SpeakerBundle.load(copy)
+
+
+def test_a_background_of_another_appearance_model_is_refused(copy, tmp_path):
+    other = speakers.make(tmp_path / "other", seed=5)
+    (copy / FILES["background"]).write_bytes((other / FILES["background"]).read_bytes())
+    about, theirs = (json.loads((folder / "speaker.json").read_text()) for folder in (copy, other))
+    about["parts"]["background"] = theirs["parts"]["background"]
+    (copy / "speaker.json").write_text(json.dumps(about))
+    with pytest.raises(DataError, match="background.h5 is of another appearance model"):
         SpeakerBundle.load(copy)
 
 

@@ -1,11 +1,11 @@
 """Sheets in three forms: rectangular, escaped, and nested as they must be."""
 
-import html.parser
 import re
 
 import pandas
 import pytest
 
+from tests.unit.evaluation.nesting import check_nesting
 from visualspeech.errors import StorageError
 from visualspeech.evaluation.sheets import (
     Cell,
@@ -57,19 +57,7 @@ def test_html_nests_and_escapes():
     text = to_html_page([SHEET, PLAIN], NASTY)
     assert "<b>_x_" not in text and "http" not in text
 
-    class Nesting(html.parser.HTMLParser):
-        open = []
-
-        def handle_starttag(self, tag, attributes):
-            if tag != "meta":
-                self.open.append(tag)
-
-        def handle_endtag(self, tag):
-            assert self.open.pop() == tag
-
-    parser = Nesting()
-    parser.feed(text)
-    assert parser.open == []
+    check_nesting(text)
     assert text.count("<th ") == 1 + 2 + 4 + 2 + 1 + 1 + 1 and 'colspan="2">256<' in text
 
 

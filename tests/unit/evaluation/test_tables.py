@@ -1,11 +1,11 @@
 """One definition, four forms: what they show, what they escape, and that they say the same."""
 
-import html.parser
 import re
 
 import pandas
 import pytest
 
+from tests.unit.evaluation.nesting import check_nesting
 from visualspeech.errors import DataError, SettingError, StorageError
 from visualspeech.evaluation import table_formats as formats
 from visualspeech.evaluation.metrics import METRICS
@@ -169,19 +169,7 @@ def test_html_escapes_and_nests():
     assert "<script" not in text and "&lt;script&gt;" in text
     assert "http" not in text
 
-    class Nesting(html.parser.HTMLParser):
-        open = []
-
-        def handle_starttag(self, tag, attributes):
-            if tag != "meta":
-                self.open.append(tag)
-
-        def handle_endtag(self, tag):
-            assert self.open.pop() == tag
-
-    parser = Nesting()
-    parser.feed(text)
-    assert parser.open == []
+    check_nesting(text)
 
 
 def test_same_input_same_text():

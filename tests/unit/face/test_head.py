@@ -5,8 +5,8 @@ from tests.unit.face.heads import CENTRE, FOCAL, SIZE, record
 from visualspeech.errors import DataError, StorageError
 from visualspeech.face.camera import solve_pose
 from visualspeech.face.head import HeadModel, fit_head
-from visualspeech.face.landmarks import RIGID
 from visualspeech.face.mean_face import MEAN_FACE
+from visualspeech.face.tracker import RIGID
 from visualspeech.storage import write_model
 
 

@@ -6,7 +6,8 @@ import pytest
 from tests.paths import grid_root
 from visualspeech.errors import RejectedUtterance, SettingError
 from visualspeech.face import landmarks
-from visualspeech.face.landmarks import LandmarkSettings, fill_gaps, longest_run, smooth, track
+from visualspeech.face.landmarks import fill_gaps, longest_run, smooth, track
+from visualspeech.face.tracker import LandmarkSettings
 
 STILL = replace(LandmarkSettings(), smoothing=0.0)
 

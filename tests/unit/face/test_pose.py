@@ -7,7 +7,7 @@ from tests.unit.face.heads import CENTRE, FOCAL, SIZE, record
 from visualspeech.errors import DataError
 from visualspeech.face import pose as poses
 from visualspeech.face.head import HeadModel, PoseSettings
-from visualspeech.face.landmarks import RIGID
+from visualspeech.face.tracker import RIGID
 
 SHARP = PoseSettings(rotation_smoothing=0, place_smoothing=0)
 

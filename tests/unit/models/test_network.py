@@ -43,7 +43,7 @@ def test_labels_of_another_inventory_are_refused(network):
 def test_files_that_are_no_network(tmp_path):
     path = tmp_path / "mean.safetensors"
     baselines.fit("training_mean", utterances(1), len(PHONES)).save(path)
-    with pytest.raises(DataError, match="no network"):
+    with pytest.raises(StorageError, match="mean.safetensors holds no network. Give"):
         Network.load(path)
     path.write_bytes(b"no model")
     with pytest.raises(StorageError):

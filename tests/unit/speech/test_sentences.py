@@ -44,5 +44,8 @@ def test_texts_are_numbered_and_read_from_a_file(tmp_path):
     path.write_bytes(b"\xff\xfe\xff")
     with pytest.raises(SettingError, match="no UTF-8"):
         listed_sentences([], str(path))
-    with pytest.raises(SettingError, match="no word"):
+    with pytest.raises(SettingError, match="no word to pronounce in '!', text 2 of speak.sentences"):
         listed_sentences(["Fine.", "!"])
+    path.write_text("Fine.\n\nFine too.\n- -\n")
+    with pytest.raises(SettingError, match=r"no word to pronounce in '- -', text 3 of .*texts\.txt"):
+        listed_sentences([], str(path))

@@ -24,10 +24,11 @@ import numpy as np
 
 from visualspeech.errors import DataError, SettingError
 from visualspeech.face.aam.empca import Rows, em_pca, pca
+from visualspeech.face.aam.points import FREEDOM
 from visualspeech.face.aam.rows import RowFile, choose_frames
 from visualspeech.face.drift import FaceReference, corpus_reference, remove
 from visualspeech.jobs import log, progress
-from visualspeech.storage import read_model, write_model
+from visualspeech.storage import read_model_of, write_model
 
 WEIGHTINGS = ("variance", "none")
 _CHUNK = 256  # frames in work at a time
@@ -66,6 +67,31 @@ class AamSettings:
             value = getattr(self, name)
             if not isinstance(value, int) or value < least:
                 raise SettingError(f"AAM {name} is {value!r}; give a whole number, {least} or more.")
+        self.check_possible(self.images)
+
+    def check_possible(self, images: int) -> None:
+        """Whether so many images can have the components asked for, as far as that is known before the analyses.
+
+        Raises
+        ------
+        SettingError
+            They cannot.
+        """
+        limits = {
+            "shape": [(FREEDOM, f"{FREEDOM} tracked coordinates"), (images - 1, f"{images} images")],
+            "texture": [(images - 1, f"{images} images")],
+        }
+        # Where an energy decides on the components of shape or texture, no more is known of how many come out.
+        parts = [getattr(self, name).get("components") for name in limits]
+        joint = [(sum(parts), f"{parts[0]} shape and {parts[1]} texture components")] if all(parts) else []
+        limits["appearance"] = [(images - 1, f"{images} images"), *joint]
+        for name, found in limits.items():
+            asked, (most, why) = getattr(self, name).get("components", 0), min(found)
+            if asked > most:
+                raise SettingError(
+                    f"`aam.{name}.components: {asked}` is more than there can be: {why} give {most} at most. Ask for "
+                    f"fewer, or write an energy such as 0.95 in place of components."
+                )
 
 
 def _check_target(name: str, target: Mapping) -> None:
@@ -211,7 +237,8 @@ class Aam:
 
     @classmethod
     def load(cls, path: str | Path) -> "Aam":
-        tensors, settings = read_model(path)
+        """Read what :meth:`save` wrote; raises as :func:`visualspeech.storage.read_model_of`."""
+        tensors, settings = read_model_of(path, "appearance model", [None], _ARRAYS)
         drift = FaceReference(tensors.pop("drift_shape"), tensors.pop("drift_texture"))
         weight = tensors.pop("shape_weight").item()
         return cls(drift=drift, shape_weight=weight, settings=AamSettings(**settings), **tensors)
@@ -260,14 +287,15 @@ def fit(
     if settings.weighting == "variance":
         weight = float(np.sqrt(t.eigenvalues.sum() / s.eigenvalues.sum()))
     v = pca(np.concatenate([a * weight, b], axis=1).astype(np.float64), **settings.appearance, what="AAM appearance")
+    # In the order in which files keep arrays, so that a model gives the same bits before it is saved and after.
     aam = Aam(
         shape_mean=s.mean,
-        shape_components=s.components,
+        shape_components=np.ascontiguousarray(s.components),
         shape_variances=s.eigenvalues,
         texture_mean=t.mean,
         texture_components=t.components,
         texture_variances=t.eigenvalues,
-        appearance_components=v.components,
+        appearance_components=np.ascontiguousarray(v.components),
         appearance_variances=v.eigenvalues,
         shape_weight=weight,
         totals=np.array([s.total_variance, t.total_variance, v.total_variance]),
@@ -309,6 +337,7 @@ def fit_utterances(arrays, ids: Sequence[str], settings: AamSettings | None = No
     chosen = choose_frames({name: arrays.length(name, "shape") for name in ids}, settings.images, settings.seed)
     if not chosen:
         raise DataError("no training frames: every training utterance was rejected or is empty")
+    settings.check_possible(sum(map(len, chosen.values())))
     corpus = corpus_reference(reference_face(arrays, name) for name in ids)
     with tempfile.TemporaryDirectory(prefix="visualspeech-aam-", dir=folder) as scratch:
         textures = RowFile(Path(scratch) / "textures.f32", len(corpus.texture))

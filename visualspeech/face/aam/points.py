@@ -22,6 +22,9 @@ DERIVED = slice(46, 51)
 TRACKED = np.concatenate([np.arange(0, 17), np.arange(27, 36), np.arange(48, 68)])
 """Which of the 68 points the first 46 are."""
 
+FREEDOM = 2 * len(TRACKED)
+"""How many ways a shape can vary at most: the derived points move with the others."""
+
 _MEANS = (
     (1, 30),  # below the right eye of the person: between jaw line and tip of the nose
     (15, 30),  # below the left eye

@@ -14,7 +14,7 @@ import numpy as np
 
 from visualspeech.errors import DataError, SettingError
 from visualspeech.face.aam.points import INNER_LIPS, LIPS, LOWERED, POINTS, TRIANGLES
-from visualspeech.storage import read_model, write_model
+from visualspeech.storage import read_model_of, write_model
 
 _INNER = range(INNER_LIPS.start, INNER_LIPS.stop)
 _UPPER, _LOWER = INNER_LIPS.start + 2, INNER_LIPS.start + 6  # middle of the upper and of the lower inner lip
@@ -36,9 +36,10 @@ class ReferenceSettings:
     mouth_opening: float = 0.2
 
     def __post_init__(self) -> None:
-        if not (isinstance(self.texture_pixels, int) and self.texture_pixels >= 100):
+        # OpenCV reads no more than 32766 places at a time.
+        if not (isinstance(self.texture_pixels, int) and 100 <= self.texture_pixels <= 30_000):
             raise SettingError(
-                f"texture_pixels is {self.texture_pixels!r}; give a whole number of pixels, 100 or more (6000 serves)."
+                f"texture_pixels is {self.texture_pixels!r}; give a whole number of pixels, 100 to 30000 (6000 serves)."
             )
         if not 0 < self.mouth_opening <= 1:
             raise SettingError(f"mouth_opening is {self.mouth_opening!r}; give a share above 0, up to 1 (0.2 serves).")
@@ -82,13 +83,16 @@ class Reference:
         return csr_array((self.barycentric.ravel(), (rows, corners)), shape=(self.size, POINTS))
 
     def save(self, path: str | Path) -> None:
-        names = ("mean_shape", "grid_shape", "pixels", "triangle", "barycentric", "nearest")
-        write_model(path, {name: getattr(self, name) for name in names}, asdict(self.settings))
+        write_model(path, {name: getattr(self, name) for name in _ARRAYS}, asdict(self.settings))
 
     @classmethod
     def load(cls, path: str | Path) -> "Reference":
-        tensors, settings = read_model(path)
+        """Read what :meth:`save` wrote; raises as :func:`visualspeech.storage.read_model_of`."""
+        tensors, settings = read_model_of(path, "texture grid", [None], _ARRAYS)
         return cls(settings=ReferenceSettings(**settings), **tensors)
+
+
+_ARRAYS = ("mean_shape", "grid_shape", "pixels", "triangle", "barycentric", "nearest")
 
 
 def fit_reference(shapes: Iterable[np.ndarray], settings: ReferenceSettings | None = None) -> Reference:
@@ -156,10 +160,10 @@ def sample_texture(frame: np.ndarray, image_points: np.ndarray, reference: Refer
     import cv2
 
     places = (reference.weights @ np.asarray(image_points, np.float64)).astype(np.float32)
-    colours = cv2.remap(
-        frame, places[:, None, 0], places[:, None, 1], cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE
-    )
-    return np.ascontiguousarray(colours[:, 0, :].T).reshape(-1)
+    # Places in one row: OpenCV gives the same numbers as for one column, and sooner.
+    x, y = np.ascontiguousarray(places.T)[:, None]
+    colours = cv2.remap(frame, x, y, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
+    return np.ascontiguousarray(colours[0].T).reshape(-1)
 
 
 def sample_textures(frames: Iterable[np.ndarray], image_points: np.ndarray, reference: Reference) -> np.ndarray:
@@ -220,14 +224,9 @@ def render(
     maps = _affine_maps(np.asarray(points, np.float64), reference.grid_shape).astype(np.float32)[index[rows, columns]]
     places = maps[..., 0] * columns[:, None] + maps[..., 1] * rows[:, None] + maps[..., 2]
     picture = texture_picture(np.asarray(texture, np.float32), reference)
-    values = cv2.remap(
-        picture,
-        places[:, None, 0].astype(np.float32),
-        places[:, None, 1].astype(np.float32),
-        cv2.INTER_LINEAR,
-        borderMode=cv2.BORDER_REPLICATE,
-    )
-    colours[rows, columns] = np.clip(np.rint(values[:, 0, :]), 0, 255).astype(np.uint8)
+    x, y = np.ascontiguousarray(places.T, np.float32)[:, None]
+    values = cv2.remap(picture, x, y, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)[0]
+    colours[rows, columns] = np.clip(np.rint(values), 0, 255).astype(np.uint8)
     return colours, inside
 
 

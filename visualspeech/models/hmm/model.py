@@ -13,7 +13,7 @@ from visualspeech.models.hmm.generation import Trajectory, generate
 from visualspeech.models.hmm.segments import PhoneTrack
 from visualspeech.models.hmm.statistics import Gaussians
 from visualspeech.models.hmm.tying import Tying
-from visualspeech.storage import read_model, write_model
+from visualspeech.storage import part_of, read_model_of, write_model
 from visualspeech.timing import frames_in
 
 
@@ -165,28 +165,14 @@ class Hmm:
 
     @staticmethod
     def load(path: str | Path) -> "Hmm":
-        """Read what :meth:`save` wrote.
-
-        Raises
-        ------
-        StorageError
-            The file is missing or no model.
-        DataError
-            It is another kind of model.
-        """
-        tensors, settings = read_model(path)
-        if settings.get("kind") != "hmm":
-            raise DataError(f"{path} holds no HMMs. Give an hmm.safetensors that a run has written.")
-        parts = {
-            part: {name.split(".", 1)[1]: tensor for name, tensor in tensors.items() if name.startswith(f"{part}.")}
-            for part in ("tying", "gaussians")
-        }
+        """Read what :meth:`save` wrote; raises as :func:`visualspeech.storage.read_model_of`."""
+        tensors, settings = read_model_of(path, "HMMs", ["hmm"])
         return Hmm(
             kind=settings["variant"],
             settings=HmmSettings(**settings["hmm"]),
             phones=tuple(settings["phones"]),
-            tying=Tying(**parts["tying"]),
-            gaussians=Gaussians(**parts["gaussians"]),
+            tying=Tying(**part_of(tensors, "tying")),
+            gaussians=Gaussians(**part_of(tensors, "gaussians")),
             stay=tensors["stay"],
             aam=settings["aam"],
             about=settings["about"],

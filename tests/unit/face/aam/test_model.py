@@ -137,6 +137,8 @@ def test_training_from_files_draws_frames_and_takes_the_drift_out(tmp_path, data
         two = fit_utterances(arrays, ids[::-1], SETTINGS, folder=str(tmp_path))
         few = fit_utterances(arrays, ids, AamSettings(images=40, texture={"components": 5}), folder=str(tmp_path))
         u5 = arrays["u5"]
+        with pytest.raises(SettingError, match="aam.texture.components: 250` is more .*: 250 images give 249 at most"):
+            fit_utterances(arrays, ids, AamSettings(texture={"components": 250}), folder=str(tmp_path))
     np.testing.assert_array_equal(one.texture_components, two.texture_components)
     assert len(few.texture_components) == 5
     assert list(tmp_path.iterdir()) == [tmp_path / "textures.h5"]
@@ -172,10 +174,29 @@ def test_wrong_settings_are_refused_by_name(wrong):
         AamSettings(**wrong)
 
 
+@pytest.mark.parametrize(
+    ("wrong", "said"),
+    [
+        ({"shape": {"components": 93}}, "aam.shape.components: 93.*: 92 tracked coordinates give 92"),
+        ({"shape": {"components": 50}, "images": 50}, "aam.shape.components: 50.*: 50 images give 49"),
+        ({"texture": {"components": 300}, "images": 300}, "aam.texture.components: 300.*: 300 images give 299"),
+        ({"appearance": {"components": 20000}}, "aam.appearance.components: 20000.*: 20000 images give 19999"),
+        (
+            {name: {"components": number} for name, number in (("shape", 5), ("texture", 10), ("appearance", 16))},
+            "aam.appearance.components: 16.*: 5 shape and 10 texture components give 15 at most. Ask for fewer",
+        ),
+    ],
+)
+def test_more_modes_than_there_can_be_are_refused_before_any_data(wrong, said):
+    with pytest.raises(SettingError, match=said):
+        AamSettings(**wrong)
+
+
 def test_more_modes_than_the_data_has_and_data_that_does_not_fit_are_refused(data, aam):
     shapes, textures = data
-    with pytest.raises(SettingError, match="92 directions only"):  # the five derived points add none
-        fit(shapes, ArrayRows(textures), AamSettings(shape={"components": 93}))
+    shape = AamSettings(shape={"components": 92})
+    with pytest.raises(SettingError, match="20 directions only"):
+        fit(shapes[:21], ArrayRows(textures[:21]), shape)
     with pytest.raises(SettingError, match="at most 29"):
         fit(shapes[:30], ArrayRows(textures[:30]), AamSettings(texture={"components": 30}))
     with pytest.raises(DataError, match="300 training shapes but 299"):

@@ -15,8 +15,8 @@ from visualspeech.face.aam.reference import ReferenceSettings, fit_reference, pa
 from visualspeech.face.aam.rows import ArrayRows
 from visualspeech.face.drift import FaceReference
 from visualspeech.face.head import HeadModel
-from visualspeech.face.landmarks import RIGID
 from visualspeech.face.pose import Pose, PoseSettings, to_frontal
+from visualspeech.face.tracker import RIGID
 
 FRAMES = 12
 
