@@ -89,7 +89,8 @@ def _speak(given: argparse.Namespace) -> None:
         raise SettingError(f"--seed {given.seed}: give a number of 0 or more.")
     split_sentences(text)  # a text without a word is told before anything is loaded
     from visualspeech.animation.bundle import SpeakerBundle
-    from visualspeech.animation.speaking import SpeakSettings, perform, speak
+    from visualspeech.animation.performance import perform
+    from visualspeech.animation.speaking import SpeakSettings, speak
     from visualspeech.animation.walk import WalkSettings
     from visualspeech.speech.spoken import VoiceSettings, speak_recording, speak_text
 
@@ -101,7 +102,7 @@ def _speak(given: argparse.Namespace) -> None:
         spoken = speak_text(text, settings, bundle.shares)
         voice = f"synthetic (eSpeak NG, {given.voice})"
     settings = SpeakSettings(label=not given.no_label, walk=WalkSettings(seed=given.seed))
-    performance = perform(spoken, bundle.network, bundle.rest, settings)
+    performance = perform(spoken, bundle.network, bundle.rest)
     log.info("%.1f s of speech; rendering", performance.seconds)
     speak(given.output, performance, bundle, voice, settings)
 

@@ -194,3 +194,23 @@ def test_pictures_of_another_size_are_left_out():
         type("Frame", (), {"time": index / 25, "width": width, "height": 4})() for index, width in enumerate([4, 8, 4])
     ]
     assert [frame is None for _, frame in decoding._timed(frames, 25.0, 0.0)] == [False, True, False]
+
+
+def test_sound_is_written_beside_the_pictures_that_it_belongs_to(tmp_path):
+    """Given in pieces or as one, the same bytes; and no packet lies far from those of the other stream."""
+    sound = np.random.default_rng(0).normal(0, 0.1, 3 * 16000).astype(np.float32)
+    paths = tmp_path / "pieces.mp4", tmp_path / "whole.mp4"
+    for path, audio in zip(paths, (iter(np.split(sound, [5, 5000, 30000])), sound), strict=True):
+        media.write_video(path, (np.full((32, 48, 3), i, np.uint8) for i in range(75)), 25, audio, 16000)
+    assert paths[0].read_bytes() == paths[1].read_bytes()
+    with av.open(str(paths[0])) as file:
+        packets = [
+            (packet.pos, packet.stream.type, float(packet.pts * packet.time_base))
+            for packet in file.demux()
+            if packet.size
+        ]
+    assert np.allclose(media.read_audio(paths[0], 16000)[: len(sound)].std(), sound.std(), rtol=0.1)
+    heard = shown = 0.0
+    for _, kind, time in sorted(packets):
+        heard, shown = (time, shown) if kind == "audio" else (heard, max(shown, time))
+        assert abs(heard - shown) < 1.5
