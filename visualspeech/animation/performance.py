@@ -21,7 +21,7 @@ from visualspeech.spooling import Spool
 from visualspeech.timing import frame_times
 
 FULL_SCALE = 32768  # of 16 bit
-REST = 0.2  # seconds from the border of a pause until the face is wholly at rest
+REST = 0.12  # seconds from the border of a pause until the face is wholly at rest: speaker s1 of GRID takes as long
 
 
 @dataclass(frozen=True)

@@ -83,9 +83,9 @@ def test_a_network_for_other_phones_is_refused(bundle):
 
 def test_the_face_at_rest_is_that_of_silence_away_from_speech():
     rows = to_table({"a": timed([("sil", 0, 0.4), ("aa", 0.4, 0.8), ("sil", 0.8, 1.2)])})
-    found = resting_frames(rows, 30, 25.0, away=0.11)
+    found = resting_frames(rows, 30, 25.0, after=0.11, before=0.31)
     times = (np.arange(30) + 0.5) / 25
-    assert np.array_equal(found, (times < 0.29) | (times > 0.91))
+    assert np.array_equal(found, (times < 0.09) | (times > 0.91))
     assert np.allclose(rest_of([np.ones((3, 2)), np.zeros((1, 2))]), 0.75)
     with pytest.raises(DataError, match="no silence"):
         rest_of([np.zeros((0, 2))])
