@@ -11,7 +11,7 @@ from pathlib import Path
 
 import numpy as np
 
-from visualspeech.animation.background import Background, frame_distances
+from visualspeech.animation.background import Background, eyes_closed, frame_distances
 from visualspeech.animation.bundle import SpeakerBundle
 from visualspeech.animation.label import labelled
 from visualspeech.animation.performance import Performance
@@ -70,7 +70,7 @@ def scene(background: Background, frames: int, settings: WalkSettings | None = N
 
 def way_through(background: Background, settings: WalkSettings | None = None) -> Iterator[Mix]:
     """Frames of a background without end."""
-    return walk(frame_distances(background), background.clip, background.rate, settings)
+    return walk(frame_distances(background), background.clip, background.rate, settings, eyes_closed(background))
 
 
 def scene_along(background: Background, way: list[Mix]) -> Scene:
@@ -142,6 +142,7 @@ def speak(
 def speech_metadata(text: str, bundle: SpeakerBundle, voice: str) -> dict[str, str]:
     """What the video of a talking head says of itself: title, comment and one key for each part of it."""
     permission = bundle.consent.strip() or "No statement of consent was given for this corpus."
+    text = text or "(not given)"
     said = text if len(text) <= 1000 else text[:1000] + " ..."
     return {
         "title": f"synthetic talking head ({bundle.model}): {said[:80]}",
