@@ -18,13 +18,16 @@ import numpy as np
 
 from visualspeech.decoding import (
     UNREADABLE,
+    audio_stream,
     decoded,
+    finite,
     frame_rate,
     laid_out,
     opened,
     origin,
     part,
     pictures,
+    sound_chunks,
     sound_pieces,
     upright,
     video_stream,
@@ -120,9 +123,7 @@ def read_audio(path: str | Path, rate: int, start: float = 0.0, end: float = 0.0
         There is no audio stream, or nothing of it can be decoded.
     """
     with opened(path) as container:
-        if not container.streams.audio:
-            raise RejectedUtterance("no audio stream", "Record with sound, or mux the sound into the video file.")
-        audio = container.streams.audio[0]
+        audio = audio_stream(container)
         video_rate = frame_rate(container.streams.video[0]) if container.streams.video else 0.0
         # Without pictures, milliseconds are borders fine enough.
         video_rate = video_rate or 1000.0
@@ -137,6 +138,38 @@ def read_audio(path: str | Path, rate: int, start: float = 0.0, end: float = 0.0
     if samples is None:
         raise RejectedUtterance("unreadable audio stream (nothing in it can be decoded)", UNREADABLE)
     return samples
+
+
+def stream_audio(path: str | Path, rate: int) -> Iterator[np.ndarray]:
+    """The sound of a recording as :func:`read_audio` gives it, a second or more at a time, whatever its length.
+
+    Raises
+    ------
+    RejectedUtterance
+        There is no audio stream, or nothing of it can be decoded.
+    """
+    kept: list[np.ndarray] = []
+    place = done = ready = 0  # samples: where the next chunk belongs, how far there is sound, how far it was given out
+    nothing = True
+    with opened(path) as container:
+        audio = audio_stream(container)
+        for begin, samples in sound_chunks(decoded(container, audio, 0.0), rate, origin(container)):
+            nothing = False
+            place = place if begin is None else round(begin * rate)
+            late = samples[max(0, done - place) :]
+            if place > done and len(late):
+                kept.append(np.zeros(place - done, np.float32))
+            if len(late):
+                kept.append(late.astype(np.float32))
+                done = max(place, done) + len(late)
+            place += len(samples)
+            if done - ready >= rate:
+                yield finite(np.concatenate(kept))
+                kept, ready = [], done
+    if nothing:
+        raise RejectedUtterance("unreadable audio stream (nothing in it can be decoded)", UNREADABLE)
+    if kept:
+        yield finite(np.concatenate(kept))
 
 
 @dataclass(frozen=True)

@@ -150,7 +150,7 @@ def test_what_is_no_video_is_rejected_in_words(tmp_path, content):
     path = tmp_path / "x.mp4"
     path.write_bytes(content)
     for read in (media.probe, media.scan_video, lambda name: list(media.read_frames(name))):
-        with pytest.raises(RejectedUtterance, match="unreadable video file") as error:
+        with pytest.raises(RejectedUtterance, match="unreadable media file") as error:
             read(path)
         assert error.value.remedy and str(tmp_path) not in error.value.reason
 
@@ -214,3 +214,16 @@ def test_sound_is_written_beside_the_pictures_that_it_belongs_to(tmp_path):
     for _, kind, time in sorted(packets):
         heard, shown = (time, shown) if kind == "audio" else (heard, max(shown, time))
         assert abs(heard - shown) < 1.5
+
+
+@pytest.mark.parametrize("name", ["a.mp4", "a.mkv", "a.ts"])
+def test_streamed_sound_is_that_of_the_whole(tmp_path, name):
+    sound = np.random.default_rng(0).normal(0, 0.1, 5 * 16000).astype(np.float32)
+    path = synthetic.record(tmp_path / name, 5.0, audio=sound, audio_rate=16000)
+    parts = list(media.stream_audio(path, 22050))
+    assert len(parts) > 3 and np.array_equal(np.concatenate(parts), media.read_audio(path, 22050))
+    with pytest.raises(RejectedUtterance, match="does not exist"):
+        next(media.stream_audio(tmp_path / "nowhere.wav", 16000))
+    media.write_video(tmp_path / "mute.mp4", iter(np.zeros((3, 32, 48, 3), np.uint8)), 25)
+    with pytest.raises(RejectedUtterance, match="no audio stream"):
+        next(media.stream_audio(tmp_path / "mute.mp4", 16000))
