@@ -20,7 +20,8 @@ import numpy as np
 
 from visualspeech.animation.background import QUALITY, Background
 from visualspeech.animation.bundle import SpeakerBundle
-from visualspeech.animation.speaking import SpeakSettings, pause_weights, perform, scene, speak
+from visualspeech.animation.performance import REST, pause_weights, perform
+from visualspeech.animation.speaking import scene, speak
 from visualspeech.face.aam.points import INNER_LIPS, to_points
 from visualspeech.face.landmarks import track
 from visualspeech.media import read_frames
@@ -72,7 +73,7 @@ def silent_frames(text: str, bundle: SpeakerBundle) -> np.ndarray:
     found, rate = [], bundle.network.rate
     for one in speak_text(text, shares=bundle.shares):
         frames = max(1, int(np.ceil(len(one.samples) / one.rate * rate - 1e-6)))
-        found.append(pause_weights(one.alignment, frames, rate, SpeakSettings().rest) == 1)
+        found.append(pause_weights(one.alignment, frames, rate, REST) == 1)
     return np.concatenate(found)
 
 

@@ -79,6 +79,7 @@ def _parser() -> argparse.ArgumentParser:
 
 def _speak(given: argparse.Namespace) -> None:
     from visualspeech.speech.sentences import split_sentences
+    from visualspeech.storage import check_writable
 
     text = _text(given)
     if given.output.suffix.lower() != ".mp4":
@@ -87,26 +88,32 @@ def _speak(given: argparse.Namespace) -> None:
         raise SettingError(f"--output {given.output} is a folder; give the name of the video file.")
     if given.seed < 0:
         raise SettingError(f"--seed {given.seed}: give a number of 0 or more.")
-    split_sentences(text)  # a text without a word is told before anything is loaded
+    check_writable(given.output)
+    if text is not None:
+        split_sentences(text)  # a text without a word is told before anything is loaded
     from visualspeech.animation.bundle import SpeakerBundle
-    from visualspeech.animation.speaking import SpeakSettings, perform, speak
+    from visualspeech.animation.performance import perform
+    from visualspeech.animation.speaking import SpeakSettings, speak
     from visualspeech.animation.walk import WalkSettings
     from visualspeech.speech.spoken import VoiceSettings, speak_recording, speak_text
 
     bundle = SpeakerBundle.load(given.model)
     if given.audio:
-        spoken, voice = [speak_recording(given.audio, text)], f"recording {given.audio.name}, as given"
+        if text is None:
+            log.info("the lips follow the phones that are recognised; give what is said with --text for better ones")
+        spoken = speak_recording(given.audio, text, bundle.network.rate, shares=bundle.shares)
+        voice = f"recording {given.audio.name}, as given"
     else:
         settings = VoiceSettings(given.voice, given.speed, given.pitch)
         spoken = speak_text(text, settings, bundle.shares)
         voice = f"synthetic (eSpeak NG, {given.voice})"
     settings = SpeakSettings(label=not given.no_label, walk=WalkSettings(seed=given.seed))
-    performance = perform(spoken, bundle.network, bundle.rest, settings)
+    performance = perform(spoken, bundle.network, bundle.rest)
     log.info("%.1f s of speech; rendering", performance.seconds)
     speak(given.output, performance, bundle, voice, settings)
 
 
-def _text(given: argparse.Namespace) -> str:
+def _text(given: argparse.Namespace) -> str | None:
     if given.text is not None and given.text_file is not None:
         raise SettingError("--text and --text-file are both given; give one of them.")
     if given.text is not None:
@@ -120,11 +127,8 @@ def _text(given: argparse.Namespace) -> str:
             reason = getattr(error, "strerror", None) or "it is no UTF-8 text"
             raise SettingError(f"cannot read --text-file {given.text_file}: {reason}.") from error
     if given.audio is not None:
-        raise SettingError(
-            f"what is said in {given.audio} has to be given too, with --text or --text-file: its words are aligned "
-            "with the sound."
-        )
-    raise SettingError("there is nothing to say; give --text, --text-file, or --audio with one of them.")
+        return None
+    raise SettingError("there is nothing to say; give --text, --text-file or --audio.")
 
 
 if __name__ == "__main__":

@@ -28,7 +28,7 @@ def opened(path: str | Path) -> Iterator:
     except (av.FFmpegError, OSError) as error:
         empty = Path(path).is_file() and Path(path).stat().st_size == 0
         said = "empty: 0 bytes" if empty else short(error)
-        raise RejectedUtterance(f"unreadable video file ({said})", UNREADABLE) from error
+        raise RejectedUtterance(f"unreadable media file ({said})", UNREADABLE) from error
 
 
 def video_stream(container):
@@ -47,6 +47,19 @@ def video_stream(container):
     # One decoding thread: the same pixels and the same cost whatever the machine.
     stream.codec_context.thread_count = 1
     return stream
+
+
+def audio_stream(container):
+    """The audio stream of a container.
+
+    Raises
+    ------
+    RejectedUtterance
+        There is none.
+    """
+    if not container.streams.audio:
+        raise RejectedUtterance("no audio stream", "Record with sound, or mux the sound into the video file.")
+    return container.streams.audio[0]
 
 
 def frame_rate(stream) -> float:
@@ -151,9 +164,14 @@ def _held(timed: Iterable[tuple[float, object]], rate: float, first: float, fram
             return
 
 
-def sound_pieces(frames: Iterable, rate: int, origin: float) -> Iterator[tuple[float, np.ndarray]]:
-    """(seconds from ``origin``, mono samples at ``rate``) of each stretch of sound without a gap."""
-    resampler, chunks, begin, due, kind = None, [], 0.0, 0.0, None
+def sound_chunks(frames: Iterable, rate: int, origin: float) -> Iterator[tuple[float | None, np.ndarray]]:
+    """Mono samples at ``rate``, frame by frame; with the seconds from ``origin`` where a gapless stretch begins."""
+    resampler, begin, due, kind = None, None, 0.0, None
+
+    def mixed(out) -> np.ndarray:
+        # Channels are averaged here: the resampler's own mixing to mono can exceed full scale.
+        return out.to_ndarray().mean(axis=0)
+
     for frame in frames:
         if frame is None:
             continue
@@ -166,19 +184,27 @@ def sound_pieces(frames: Iterable, rate: int, origin: float) -> Iterator[tuple[f
             or kind != (frame.format.name, frame.layout.name, frame.rate)
         ):
             if resampler is not None:
-                yield begin, _joined(chunks, resampler)
-            # Channels are averaged here: the resampler's own mixing to mono can exceed full scale.
-            resampler, chunks, begin = av.AudioResampler(format="fltp", layout=frame.layout, rate=rate), [], time
+                yield from ((None, mixed(out)) for out in resampler.resample(None))
+            resampler, begin = av.AudioResampler(format="fltp", layout=frame.layout, rate=rate), time
             due, kind = time, (frame.format.name, frame.layout.name, frame.rate)
+            yield begin, np.zeros(0, np.float32)
         due += frame.samples / frame.rate
-        chunks.extend(out.to_ndarray().mean(axis=0) for out in resampler.resample(frame))
+        yield from ((None, mixed(out)) for out in resampler.resample(frame))
     if resampler is not None:
-        yield begin, _joined(chunks, resampler)
+        yield from ((None, mixed(out)) for out in resampler.resample(None))
 
 
-def _joined(chunks: list[np.ndarray], resampler) -> np.ndarray:
-    last = [out.to_ndarray().mean(axis=0) for out in resampler.resample(None)]
-    return np.concatenate([*chunks, *last]) if chunks or last else np.zeros(0, np.float32)
+def sound_pieces(frames: Iterable, rate: int, origin: float) -> Iterator[tuple[float, np.ndarray]]:
+    """(seconds from ``origin``, mono samples at ``rate``) of each stretch of sound without a gap."""
+    begin, chunks = None, []
+    for start, samples in sound_chunks(frames, rate, origin):
+        if start is not None:
+            if begin is not None:
+                yield begin, np.concatenate(chunks)
+            begin, chunks = start, []
+        chunks.append(samples)
+    if begin is not None:
+        yield begin, np.concatenate(chunks)
 
 
 def laid_out(pieces: Iterable[tuple[float, np.ndarray]], rate: int, length: int) -> np.ndarray | None:
@@ -192,8 +218,12 @@ def laid_out(pieces: Iterable[tuple[float, np.ndarray]], rate: int, length: int)
         to = slice(max(place, 0), max(0, place + len(samples)))
         fitting = samples[max(0, -place) :][: max(0, len(result) - to.start)]
         result[to.start : to.start + len(fitting)] = fitting
-    # Damaged packets of floating-point codecs may decode to anything.
-    return np.nan_to_num(result, copy=False, nan=0.0, posinf=0.0, neginf=0.0)
+    return finite(result)
+
+
+def finite(samples: np.ndarray) -> np.ndarray:
+    """Samples without infinity: damaged packets of floating-point codecs may decode to anything."""
+    return np.nan_to_num(samples, copy=False, nan=0.0, posinf=0.0, neginf=0.0)
 
 
 def upright(array: np.ndarray, rotation: float) -> np.ndarray:

@@ -7,10 +7,10 @@ picture, not the recording: the last good one stays. So a recording has the same
 """
 
 import hashlib
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from fractions import Fraction
-from itertools import takewhile
+from itertools import chain, takewhile
 from pathlib import Path
 
 import av
@@ -18,13 +18,16 @@ import numpy as np
 
 from visualspeech.decoding import (
     UNREADABLE,
+    audio_stream,
     decoded,
+    finite,
     frame_rate,
     laid_out,
     opened,
     origin,
     part,
     pictures,
+    sound_chunks,
     sound_pieces,
     upright,
     video_stream,
@@ -120,9 +123,7 @@ def read_audio(path: str | Path, rate: int, start: float = 0.0, end: float = 0.0
         There is no audio stream, or nothing of it can be decoded.
     """
     with opened(path) as container:
-        if not container.streams.audio:
-            raise RejectedUtterance("no audio stream", "Record with sound, or mux the sound into the video file.")
-        audio = container.streams.audio[0]
+        audio = audio_stream(container)
         video_rate = frame_rate(container.streams.video[0]) if container.streams.video else 0.0
         # Without pictures, milliseconds are borders fine enough.
         video_rate = video_rate or 1000.0
@@ -137,6 +138,38 @@ def read_audio(path: str | Path, rate: int, start: float = 0.0, end: float = 0.0
     if samples is None:
         raise RejectedUtterance("unreadable audio stream (nothing in it can be decoded)", UNREADABLE)
     return samples
+
+
+def stream_audio(path: str | Path, rate: int) -> Iterator[np.ndarray]:
+    """The sound of a recording as :func:`read_audio` gives it, a second or more at a time, whatever its length.
+
+    Raises
+    ------
+    RejectedUtterance
+        There is no audio stream, or nothing of it can be decoded.
+    """
+    kept: list[np.ndarray] = []
+    place = done = ready = 0  # samples: where the next chunk belongs, how far there is sound, how far it was given out
+    nothing = True
+    with opened(path) as container:
+        audio = audio_stream(container)
+        for begin, samples in sound_chunks(decoded(container, audio, 0.0), rate, origin(container)):
+            nothing = False
+            place = place if begin is None else round(begin * rate)
+            late = samples[max(0, done - place) :]
+            if place > done and len(late):
+                kept.append(np.zeros(place - done, np.float32))
+            if len(late):
+                kept.append(late.astype(np.float32))
+                done = max(place, done) + len(late)
+            place += len(samples)
+            if done - ready >= rate:
+                yield finite(np.concatenate(kept))
+                kept, ready = [], done
+    if nothing:
+        raise RejectedUtterance("unreadable audio stream (nothing in it can be decoded)", UNREADABLE)
+    if kept:
+        yield finite(np.concatenate(kept))
 
 
 @dataclass(frozen=True)
@@ -205,14 +238,15 @@ def write_video(
     path: str | Path,
     frames: Iterator[np.ndarray],
     rate: float,
-    audio: np.ndarray | None = None,
+    audio: np.ndarray | Iterable[np.ndarray] | None = None,
     audio_rate: int = 48000,
     metadata: dict[str, str] | None = None,
     preset: str = "medium",
 ) -> None:
     """Write RGB frames (height, width, 3) uint8, all of one even size, and mono float sound as H.264/AAC MP4.
 
-    Frames are taken one at a time, so memory does not grow with the length. The bytes repeat from run to run.
+    Frames are taken one at a time, and sound given in pieces as the pictures need it: memory does not grow with the
+    length, and a player finds both side by side in the file. The bytes repeat from run to run.
     ``preset`` is x264's: a faster one makes larger files of the same quality.
     """
     rate = Fraction(rate).limit_denominator(100_000)
@@ -223,7 +257,9 @@ def write_video(
         out.metadata.update(metadata or {})
         video = None
         sound = out.add_stream("aac", rate=audio_rate, layout="mono") if audio is not None else None
-        for picture in frames:
+        heard = _sound_frames([audio] if isinstance(audio, np.ndarray) else audio or (), audio_rate)
+        due = next(heard, None)
+        for number, picture in enumerate(frames, start=1):
             if video is None:
                 # With its macroblock tree x264 reads memory it did not write at some widths: bytes do not repeat.
                 options = {"crf": "18", "preset": preset, "x264-params": "no-mbtree=1"}
@@ -232,17 +268,25 @@ def write_video(
                 video.height, video.width = picture.shape[:2]
                 video.pix_fmt = "yuv420p"
             out.mux(video.encode(av.VideoFrame.from_ndarray(np.ascontiguousarray(picture), format="rgb24")))
+            while due is not None and due.pts < number / rate * audio_rate:
+                out.mux(sound.encode(due))
+                due = next(heard, None)
         if video is not None:
             out.mux(video.encode(None))
+        while due is not None:
+            out.mux(sound.encode(due))
+            due = next(heard, None)
         if sound is not None:
-            out.mux(list(_encoded_sound(sound, np.asarray(audio, np.float32), audio_rate)))
+            out.mux(sound.encode(None))
 
 
-def _encoded_sound(stream, samples: np.ndarray, rate: int):
-    size = 1024
-    for start in range(0, len(samples), size):
-        frame = av.AudioFrame.from_ndarray(samples[None, start : start + size], format="fltp", layout="mono")
-        frame.sample_rate = rate
-        frame.pts = start
-        yield from stream.encode(frame)
-    yield from stream.encode(None)
+def _sound_frames(pieces: Iterable[np.ndarray], rate: int, size: int = 1024) -> Iterator[av.AudioFrame]:
+    """Mono float sound in frames of ``size`` samples, as AAC takes them."""
+    start, left = 0, np.zeros(0, np.float32)
+    for last, piece in chain(((False, piece) for piece in pieces), [(True, left)]):
+        left = np.concatenate([left, np.asarray(piece, np.float32)])
+        while len(left) >= size or (last and len(left)):
+            frame = av.AudioFrame.from_ndarray(left[None, :size].copy(), format="fltp", layout="mono")
+            frame.sample_rate, frame.pts = rate, start
+            yield frame
+            start, left = start + size, left[size:]

@@ -11,6 +11,7 @@ import shutil
 from collections.abc import Collection, Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
+from tempfile import TemporaryFile
 
 import numpy as np
 
@@ -56,6 +57,24 @@ def replacing(path: str | Path) -> Iterator[Path]:
     finally:
         if temporary is not None:
             _remove(temporary)
+
+
+def check_writable(path: str | Path) -> None:
+    """Find out before long work whether :func:`replacing` will be able to write a file; nothing stays behind.
+
+    Raises
+    ------
+    StorageError
+        It will not.
+    """
+    path = Path(path)
+    folder = next((one for one in path.absolute().parents if one.exists()), Path("/"))
+    try:
+        # What root may do, the mode of a folder does not tell.
+        with TemporaryFile(dir=folder):
+            pass
+    except OSError as error:
+        raise _explain(error, path) from error
 
 
 def _concerns_another(error: OSError, path: Path, temporary: Path | None) -> bool:

@@ -42,6 +42,9 @@ def test_a_recording_with_its_text_becomes_a_video(speaker, tmp_path, capsys):
     status, _ = told(capsys, "--model", speaker, "--audio", sound, "--text-file", text, "-o", path)
     assert status == 0
     assert probe(path).duration == pytest.approx(len(speech.samples) / speech.rate, abs=0.1)
+    status, said = told(capsys, "--model", speaker, "--audio", sound, "-o", tmp_path / "heard.mp4")
+    assert status == 0 and "give what is said with --text" in said
+    assert probe(tmp_path / "heard.mp4").duration == probe(path).duration
 
 
 @pytest.mark.parametrize(
@@ -53,11 +56,13 @@ def test_a_recording_with_its_text_becomes_a_video(speaker, tmp_path, capsys):
         ([], 2, "nothing to say"),
         (["--text", "a", "--text-file", "b.txt"], 2, "give one of them"),
         (["--text-file", "nowhere.txt"], 2, "nowhere.txt: No such file"),
-        (["--audio", "x.wav"], 2, "has to be given too"),
+        (["--audio", "nowhere.wav"], 1, "nowhere.wav: the file does not exist"),
+        (["--audio", "nowhere.wav", "--text", " "], 2, "no word to pronounce"),
         (["--audio", "nowhere.wav", "--text", "Hello."], 1, "nowhere.wav: the file does not exist"),
         (["--text", "Hello.", "-o", "out.avi"], 2, "ends in .mp4"),
         (["--text", "Hello.", "--model", "nowhere"], 1, "holds no speaker.json"),
         (["--text", "Hello.", "--seed", "-1"], 2, "--seed"),
+        (["--text", "Hello.", "-o", "/proc/nowhere/out.mp4"], 1, "cannot write /proc/nowhere/out.mp4"),
         (["--nonsense"], 2, "unrecognized arguments"),
     ],
 )

@@ -150,7 +150,7 @@ def test_what_is_no_video_is_rejected_in_words(tmp_path, content):
     path = tmp_path / "x.mp4"
     path.write_bytes(content)
     for read in (media.probe, media.scan_video, lambda name: list(media.read_frames(name))):
-        with pytest.raises(RejectedUtterance, match="unreadable video file") as error:
+        with pytest.raises(RejectedUtterance, match="unreadable media file") as error:
             read(path)
         assert error.value.remedy and str(tmp_path) not in error.value.reason
 
@@ -194,3 +194,36 @@ def test_pictures_of_another_size_are_left_out():
         type("Frame", (), {"time": index / 25, "width": width, "height": 4})() for index, width in enumerate([4, 8, 4])
     ]
     assert [frame is None for _, frame in decoding._timed(frames, 25.0, 0.0)] == [False, True, False]
+
+
+def test_sound_is_written_beside_the_pictures_that_it_belongs_to(tmp_path):
+    """Given in pieces or as one, the same bytes; and no packet lies far from those of the other stream."""
+    sound = np.random.default_rng(0).normal(0, 0.1, 3 * 16000).astype(np.float32)
+    paths = tmp_path / "pieces.mp4", tmp_path / "whole.mp4"
+    for path, audio in zip(paths, (iter(np.split(sound, [5, 5000, 30000])), sound), strict=True):
+        media.write_video(path, (np.full((32, 48, 3), i, np.uint8) for i in range(75)), 25, audio, 16000)
+    assert paths[0].read_bytes() == paths[1].read_bytes()
+    with av.open(str(paths[0])) as file:
+        packets = [
+            (packet.pos, packet.stream.type, float(packet.pts * packet.time_base))
+            for packet in file.demux()
+            if packet.size
+        ]
+    assert np.allclose(media.read_audio(paths[0], 16000)[: len(sound)].std(), sound.std(), rtol=0.1)
+    heard = shown = 0.0
+    for _, kind, time in sorted(packets):
+        heard, shown = (time, shown) if kind == "audio" else (heard, max(shown, time))
+        assert abs(heard - shown) < 1.5
+
+
+@pytest.mark.parametrize("name", ["a.mp4", "a.mkv", "a.ts"])
+def test_streamed_sound_is_that_of_the_whole(tmp_path, name):
+    sound = np.random.default_rng(0).normal(0, 0.1, 5 * 16000).astype(np.float32)
+    path = synthetic.record(tmp_path / name, 5.0, audio=sound, audio_rate=16000)
+    parts = list(media.stream_audio(path, 22050))
+    assert len(parts) > 3 and np.array_equal(np.concatenate(parts), media.read_audio(path, 22050))
+    with pytest.raises(RejectedUtterance, match="does not exist"):
+        next(media.stream_audio(tmp_path / "nowhere.wav", 16000))
+    media.write_video(tmp_path / "mute.mp4", iter(np.zeros((3, 32, 48, 3), np.uint8)), 25)
+    with pytest.raises(RejectedUtterance, match="no audio stream"):
+        next(media.stream_audio(tmp_path / "mute.mp4", 16000))

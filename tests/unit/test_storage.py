@@ -160,3 +160,11 @@ def test_a_full_disk_is_a_sentence_whatever_is_written(tmp_path):
     for name in ("t.txt", "m.safetensors", "a.h5", "v.mp4"):
         assert f"{name} cannot write" in ran.stdout, (name, ran.stdout, ran.stderr)
     assert list(tmp_path.iterdir()) == []
+
+
+def test_whether_a_file_can_be_written_is_known_before(tmp_path):
+    storage.check_writable(tmp_path / "not" / "yet" / "there.mp4")
+    assert not list(tmp_path.iterdir())
+    (tmp_path / "file").write_text("")
+    with pytest.raises(StorageError, match="cannot write .*out.mp4: Not a directory"):
+        storage.check_writable(tmp_path / "file" / "out.mp4")

@@ -203,6 +203,18 @@ def frame_distances(background: Background) -> np.ndarray:
     return result.astype(np.float32)
 
 
+def eyes_closed(background: Background, share: float = 0.7) -> np.ndarray:
+    """Frames (n,) bool in which the eyes are opened less than a ``share`` of what they usually are."""
+    points = background.landmarks.astype(np.float64)
+
+    def apart(a: int, b: int) -> np.ndarray:
+        return np.linalg.norm(points[:, a] - points[:, b], axis=1)
+
+    heights = apart(37, 41) + apart(38, 40) + apart(43, 47) + apart(44, 46)
+    opening = heights / (apart(36, 39) + apart(42, 45))
+    return opening < share * np.median(opening)
+
+
 def _all_distances(rows: np.ndarray) -> np.ndarray:
     rows = rows - rows.mean(axis=0)
     squares = (rows**2).sum(axis=1)

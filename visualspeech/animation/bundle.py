@@ -131,18 +131,21 @@ def check_together(network: Network, speaker: Speaker, aam_digest: str, phones) 
         )
 
 
-def resting_frames(rows, frames: int, rate: float, away: float = 0.12) -> np.ndarray:
-    """Frames (frames,) bool of one utterance in which nobody speaks, nor has spoken or will for ``away`` seconds.
+def resting_frames(rows, frames: int, rate: float, after: float = 0.25, before: float = 0.5) -> np.ndarray:
+    """Frames (frames,) bool of one utterance in which nobody speaks, nor has for some time or will for longer.
+
+    A mouth is shut soon after the last sound, but opens long before the next, to draw breath.
 
     Parameters
     ----------
     rows : alignment of the utterance (data frame with the columns tier, label, start, end)
+    after, before : seconds to the speech before and to that after
     """
     phones = rows[rows["tier"] == "phone"].sort_values("start")
     times, quiet = frame_times(frames, rate), np.ones(frames, bool)
     for label, start, end in phones[["label", "start", "end"]].itertuples(index=False):
         if label != SILENCE:
-            quiet &= (times < start - away) | (times > end + away)
+            quiet &= (times < start - before) | (times > end + after)
     return quiet
 
 

@@ -10,7 +10,7 @@ slowly over the face and is smoothed in time, for an offset found in each frame 
 from collections import deque
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
-from itertools import repeat
+from itertools import chain, repeat
 
 import numpy as np
 
@@ -257,38 +257,54 @@ def talking_head(
     DataError
         There are not as many frames or textures as places.
     """
+    places = zip(placement.recorded, placement.target, strict=True)
+    yield from stitched(_paired(frames, places, textures, len(placement)), reference, settings)
+
+
+def stitched(
+    parts: Iterable[tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]],
+    reference: Reference,
+    settings: RenderSettings | None = None,
+) -> Iterator[np.ndarray]:
+    """Frames with synthetic lower faces, one at a time, of a stream whose length need not be known.
+
+    Parameters
+    ----------
+    parts : of each frame the recorded picture, where its lower face (51, 2) is and where it is to be, and the texture
+        (3U,); see :func:`stitch`
+    """
     stitching = prepare(reference, settings)
     deviation = stitching.settings.colour_smoothing
     ahead = int(np.ceil(2.5 * deviation))
     limit = stitching.settings.colour_limit
     waiting: deque = deque()
     offsets: deque = deque(maxlen=2 * ahead + 1)
-    for index, (frame, texture) in enumerate(_paired(frames, textures, len(placement))):
-        if frame is not None:
+    for index, part in enumerate(chain(parts, repeat(None))):
+        if part is not None:
+            frame, recorded, target, texture = part
             texture = np.asarray(texture, np.float32)
-            waiting.append((index, frame, texture))
-            offsets.append((index, colour_offset(frame, placement.recorded[index], texture, stitching)))
+            waiting.append((index, frame, recorded, target, texture))
+            offsets.append((index, colour_offset(frame, recorded, texture, stitching)))
         if waiting and index >= waiting[0][0] + ahead:
-            now, frame, texture = waiting.popleft()
+            now, frame, recorded, target, texture = waiting.popleft()
             offset = np.clip(_smoothed(offsets, now, deviation), -limit, limit)
-            yield stitch(frame, placement.recorded[now], placement.target[now], texture, stitching, offset)
-        if frame is None and not waiting:
+            yield stitch(frame, recorded, target, texture, stitching, offset)
+        if part is None and not waiting:
             return
 
 
-def _paired(frames, textures, count: int) -> Iterator[tuple]:
-    """Frames with their textures, then empty pairs; the lengths are checked as they come to their end."""
+def _paired(frames, places, textures, count: int) -> Iterator[tuple]:
+    """Each frame with its places and texture; the lengths are checked as they come to their end."""
     missing = object()
     frames, textures = iter(frames), iter(textures)
-    for index in range(count):
+    for index, (recorded, target) in enumerate(places):
         frame, texture = next(frames, missing), next(textures, missing)
         if frame is missing or texture is missing:
             what = "frames in the recording" if frame is missing else "target textures"
             raise DataError(f"{index} {what}, but the lower face is placed in {count} frames")
-        yield frame, texture
+        yield frame, recorded, target, texture
     if next(frames, missing) is not missing:
         raise DataError(f"the recording has more than the {count} frames in which the lower face is placed")
-    yield from repeat((None, None))
 
 
 def _smoothed(offsets, now: int, deviation: float) -> np.ndarray:

@@ -4,7 +4,8 @@ Frames are played forwards and backwards. Before a recording ends, the way turns
 the same or of another recording, where the frames look alike (A. Schodl et al. 2000, Video textures). Every change is
 spread over some frames, in which the pictures of both ways are mixed: a movement that turns round comes to rest first,
 and what distance is left is shared out. Places are chosen by the mean distance over these frames, so that a place where
-the head turns fast, or blinks, is not chosen.
+the head turns fast, or blinks, is not chosen. Nor is one after which the speaker blinks again at once, as happens where
+the way turns round behind a blink.
 """
 
 from collections.abc import Iterator
@@ -34,18 +35,20 @@ class WalkSettings:
     least : seconds between two changes, where the recordings are long enough
     unseen : distance up to which a change cannot be seen, where an ordinary step from frame to frame is 2. Of all such
         changes at hand one is taken by chance, for what repeats itself is seen; where there is none, the best
+    blinks_apart : seconds between two blinks that come by going over to another place, where there is such a place
     seed : of that chance
     """
 
     mixed: int = 6
     least: float = 1.2
     unseen: float = 6.0
+    blinks_apart: float = 2.0
     seed: int = 0
 
     def __post_init__(self) -> None:
         if not (isinstance(self.mixed, int) and self.mixed >= 0):
             raise SettingError(f"mixed is {self.mixed!r}; give a number of frames, 0 or more (6 serves).")
-        for name in ("least", "unseen"):
+        for name in ("least", "unseen", "blinks_apart"):
             if not getattr(self, name) >= 0:
                 raise SettingError(f"{name} is {getattr(self, name)!r}; give 0 or more.")
 
@@ -82,7 +85,13 @@ def changes(distances: np.ndarray, clip: np.ndarray, mixed: int) -> tuple[np.nda
     return result[0], result[1]
 
 
-def walk(distances: np.ndarray, clip: np.ndarray, rate: float, settings: WalkSettings | None = None) -> Iterator[Mix]:
+def walk(
+    distances: np.ndarray,
+    clip: np.ndarray,
+    rate: float,
+    settings: WalkSettings | None = None,
+    closed: np.ndarray | None = None,
+) -> Iterator[Mix]:
     """Frames without end.
 
     Parameters
@@ -90,6 +99,7 @@ def walk(distances: np.ndarray, clip: np.ndarray, rate: float, settings: WalkSet
     distances : (n, n), of :func:`visualspeech.animation.background.frame_distances`
     clip : (n,) recording of each frame, ascending
     rate : frames a second
+    closed : (n,) bool, frames in which the eyes are closed; default: in none
 
     Raises
     ------
@@ -111,13 +121,23 @@ def walk(distances: np.ndarray, clip: np.ndarray, rate: float, settings: WalkSet
     least = max(min(round(settings.least * rate), (longest - 2 * mixed) // 3), 2 * mixed + 1)
     generator = np.random.default_rng(settings.seed)
     used = np.zeros(len(clip))
+    closed = np.zeros(len(clip), bool) if closed is None else closed
+    until = {way: _until(closed, clip, way) for way in (1, -1)}
+    apart = settings.blinks_apart * rate
+    blinked = np.inf  # frames since the last blink
     # Begin where the recordings do, in the one with most room.
     at, direction = int(first[np.argmax(last - first)]), 1
     since = 0
     while True:
         end = last[at] if direction > 0 else first[at]
         ahead = np.arange(at + direction * max(least - since, mixed), end + direction, direction)
-        leave, to, way = _choice(ahead, direction, same, turned, first, last, least + mixed, used, settings, generator)
+        past, least_gap = _blinks_along(closed[np.arange(at, end + direction, direction)], blinked)
+        steps = abs(ahead - at)
+        gaps = [np.minimum(least_gap[steps, None], past[steps, None] + until[way]) for way in (direction, -direction)]
+        costs = [cost[ahead] * (1 + 0.2 * used) for cost in (same, turned)]
+        leave, to, way = _choice(ahead, direction, costs, gaps, first, last, least + mixed, apart, settings, generator)
+        entered = closed[np.arange(to, to + way * (mixed + 1), way)]
+        blinked = _blinks_along(entered, past[abs(leave - at)])[0][-1]
         used *= 0.7
         used[max(to - mixed, 0) : to + mixed + 1] += 1
         for frame in range(at, leave - direction * mixed, direction):
@@ -128,18 +148,41 @@ def walk(distances: np.ndarray, clip: np.ndarray, rate: float, settings: WalkSet
         at, direction, since = to + way * (mixed + 1), way, mixed + 1
 
 
-def _choice(ahead, direction, same, turned, first, last, room, used, settings, generator) -> tuple[int, int, int]:
+def _choice(ahead, direction, costs, gaps, first, last, room, apart, settings, generator) -> tuple[int, int, int]:
     """Where to leave, where to go over to, and in which direction to go on."""
     place = np.arange(len(first))
-    costs = []
-    for way, cost in ((direction, same), (-direction, turned)):
-        left = (last - place) if way > 0 else (place - first)
-        cost = cost[ahead] * (1 + 0.2 * used)
-        costs.append(np.where(left >= room, cost, np.inf))
-    table = np.stack(costs)
+    left = (last - place), (place - first)
+    ways = direction, -direction
+    table = np.stack([np.where(left[way < 0] >= room, cost, np.inf) for way, cost in zip(ways, costs, strict=True)])
     chosen = np.argwhere(table <= max(settings.unseen, 1.1 * table.min()))
+    # Of changes that cannot be seen, those without a blink that comes too soon, or where it comes latest.
+    gap = np.stack(gaps)[tuple(chosen.T)]
+    chosen = chosen[gap >= min(apart, 0.9 * gap.max())]
     kind, row, to = chosen[generator.integers(len(chosen))]
     return int(ahead[row]), int(to), int(direction if kind == 0 else -direction)
+
+
+def _blinks_along(closed: np.ndarray, blinked: float) -> tuple[np.ndarray, np.ndarray]:
+    """Along a path of frames: how many since the eyes were last closed, and the least gap between two blinks so far."""
+    since, gaps, gap = np.empty(len(closed)), np.empty(len(closed)), np.inf
+    for step, shut in enumerate(closed):
+        if shut and blinked > 0:
+            gap = min(gap, blinked + 1)
+        blinked = 0 if shut else blinked + 1
+        since[step], gaps[step] = blinked, gap
+    return since, gaps
+
+
+def _until(closed: np.ndarray, clip: np.ndarray, way: int) -> np.ndarray:
+    """Frames from each frame to the next in which the eyes are closed, in one direction; infinite if there is none."""
+    result = np.full(len(closed), np.inf)
+    order = range(len(closed))[::-way]
+    for before, frame in zip([None, *order], order, strict=False):
+        if closed[frame]:
+            result[frame] = 0
+        elif before is not None and clip[before] == clip[frame]:
+            result[frame] = result[before] + 1
+    return result
 
 
 def _clipped(index: np.ndarray, count: int) -> np.ndarray:

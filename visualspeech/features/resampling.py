@@ -6,7 +6,9 @@ from visualspeech.errors import DataError
 from visualspeech.timing import frame_times, frames_in
 
 
-def resample(values: np.ndarray, rate_in: float, rate_out: float, frames: int | None = None) -> np.ndarray:
+def resample(
+    values: np.ndarray, rate_in: float, rate_out: float, frames: int | None = None, begin: float = 0.0
+) -> np.ndarray:
     """Values of a stream at another frame rate.
 
     Frame i stands for the time (i + 0.5) / rate; between frame centres the stream is taken as linear, before the first
@@ -18,6 +20,7 @@ def resample(values: np.ndarray, rate_in: float, rate_out: float, frames: int | 
     values : (T, ...) frames at ``rate_in`` Hz
     rate_in, rate_out : Hz
     frames : number of frames to return; default: those whose time lies inside T / rate_in seconds, at least one
+    begin : seconds from the beginning of ``values`` to that of the first frame returned
 
     Returns
     -------
@@ -33,16 +36,16 @@ def resample(values: np.ndarray, rate_in: float, rate_out: float, frames: int | 
     if not len(values) or not (rate_in > 0 and rate_out > 0):
         raise DataError(f"cannot resample {len(values)} frames from {rate_in} to {rate_out} Hz; both must be positive.")
     if frames is None:
-        frames = max(frames_in(len(values) / rate_in, rate_out), 1)
-    if rate_in == rate_out and frames == len(values):
+        frames = max(frames_in(len(values) / rate_in - begin, rate_out), 1)
+    if rate_in == rate_out and frames == len(values) and not begin:
         return values.copy()
     kind = values.dtype if np.issubdtype(values.dtype, np.floating) else np.float64
     flat = values.reshape(len(values), -1).astype(np.float64)
-    centres = frame_times(frames, rate_out)
+    centres = begin + frame_times(frames, rate_out)
     if rate_out >= rate_in:
         result = _line(flat, rate_in, centres)
     else:
-        edges = np.arange(frames + 1) / rate_out
+        edges = begin + np.arange(frames + 1) / rate_out
         result = np.diff(_integral(flat, rate_in, edges), axis=0) * rate_out
     return result.reshape(frames, *values.shape[1:]).astype(kind)
 

@@ -138,7 +138,6 @@ def align(
         There is nothing to align, a word cannot be pronounced, or the sound is not this transcript's.
     """
     settings = settings or AlignmentSettings()
-    lexicon = lexicon or Lexicon()
     samples = np.ascontiguousarray(samples)
     if samples.dtype != np.int16 or samples.ndim != 1:
         raise DataError(f"speech must be int16 of shape (n,), not {samples.dtype} of shape {samples.shape}")
@@ -149,18 +148,45 @@ def align(
         )
     if not np.any(samples):
         raise RejectedUtterance(NO_SPEECH, CHECK)
-    words, pronunciations, guessed = _pronounced(transcript, lexicon)
+    return align_words(samples, pronounced(transcript, lexicon or Lexicon()), settings)
+
+
+@dataclass(frozen=True)
+class Pronounced:
+    """Words to be aligned.
+
+    Parameters
+    ----------
+    words : in their order, in lower case
+    pronunciations : of each word
+    guessed : (word, pronunciation) of the words that the dictionary does not list
+    """
+
+    words: tuple[str, ...]
+    pronunciations: Mapping[str, tuple[Pronunciation, ...]]
+    guessed: tuple[tuple[str, Pronunciation], ...] = ()
+
+    def part(self, first: int, last: int) -> "Pronounced":
+        """Some of the words, one after the other."""
+        words = self.words[first:last]
+        pronunciations = {word: self.pronunciations[word] for word in dict.fromkeys(words)}
+        return Pronounced(words, pronunciations, tuple(pair for pair in self.guessed if pair[0] in pronunciations))
+
+
+def align_words(samples: np.ndarray, spoken: Pronounced, settings: AlignmentSettings) -> Alignment:
+    """Align the sound of one utterance (n,) int16, mono, 16 kHz, with its words, see :func:`align`."""
     start, end = speech_part(samples, settings.speech_level, settings.margin)
+    words = list(spoken.words)
     # The second way sees all of the sound, in case the judgement by loudness cut something off.
     for first, last, padding in ((start, end, settings.padding), (0, len(samples), 2 * settings.padding)):
         sound = padded(samples[first:last], padding, settings.noise)
-        phones = recognise_words(sound, words, pronunciations, settings.pause)
+        phones = recognise_words(sound, words, spoken.pronunciations, settings.pause)
         objection = _objection(phones, sound, words, settings)
         if objection is None:
             phones = _without_closures(_moved(phones, first / RATE - round(padding * RATE) / RATE), settings)
             phones = _placed(phones, len(samples) / RATE)
             if phones is not None:
-                return _assembled(phones, words, guessed)
+                return _assembled(phones, words, spoken.guessed)
             objection = RejectedUtterance(TOO_SHORT, LISTEN)
     raise objection
 
@@ -168,8 +194,7 @@ def align(
 def _objection(phones, sound, words, settings) -> RejectedUtterance | None:
     """What speaks against taking these phones for the sound's."""
     free = recognise_phones(sound)
-    heard = sum(phone.frames for phone in free if phone.word != -1)
-    if heard < HEARD * len(sound) / STEP:
+    if _heard(free) < HEARD * len(sound) / STEP:
         return RejectedUtterance(NO_SPEECH, CHECK)
     if phones is None:
         return RejectedUtterance(TOO_SHORT, LISTEN)
@@ -190,6 +215,15 @@ def _objection(phones, sound, words, settings) -> RejectedUtterance | None:
             LISTEN,
         )
     return None
+
+
+def has_speech(samples: np.ndarray) -> bool:
+    """Whether sound (n,) int16, mono, 16 kHz, is like phones for a while."""
+    return bool(np.any(samples)) and _heard(recognise_phones(samples)) >= HEARD * len(samples) / STEP
+
+
+def _heard(free: list[RecognisedPhone]) -> int:
+    return sum(phone.frames for phone in free if phone.word != -1)
 
 
 def mismatch(phones: list[RecognisedPhone], free: list[RecognisedPhone]) -> tuple[float, np.ndarray]:
@@ -216,7 +250,14 @@ def _frame_scores(phones: list[RecognisedPhone]) -> np.ndarray:
     return np.repeat([phone.score for phone in phones], [phone.frames for phone in phones])
 
 
-def _pronounced(transcript: str, lexicon: Lexicon):
+def pronounced(transcript: str, lexicon: Lexicon) -> Pronounced:
+    """Words of a transcript with their pronunciations.
+
+    Raises
+    ------
+    RejectedUtterance
+        There is no word, or one that cannot be pronounced.
+    """
     words = lexicon.words(transcript)
     if not words:
         raise RejectedUtterance("the transcript is empty", "Write down what is said in the recording.")
@@ -228,7 +269,7 @@ def _pronounced(transcript: str, lexicon: Lexicon):
             f"no pronunciation for {', '.join(map(repr, mute))}", "Write the transcript in English words."
         )
     pronunciations = {word: found.get(word) or lexicon.pronunciations(word) for word in dict.fromkeys(words)}
-    return words, pronunciations, tuple((word, found[word][0]) for word in unknown)
+    return Pronounced(tuple(words), pronunciations, tuple((word, found[word][0]) for word in unknown))
 
 
 def _moved(phones: list[RecognisedPhone], shift: float) -> list[RecognisedPhone]:

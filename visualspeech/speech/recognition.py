@@ -100,16 +100,7 @@ def recognise_words(
     -------
     phones with times from the first sample, or None where the words cannot be fitted into the sound
     """
-    # Nearly open beams: with the usual ones the search loses whole sentences of clear speech.
-    decoder = _decoder(beam=BEAM, pbeam=BEAM, wbeam=BEAM, silprob=pause)
-    names = {word: f"w{i}" for i, word in enumerate(pronunciations)}
-    entries = [
-        (names[word] if k == 0 else f"{names[word]}({k + 1})", " ".join(phones).upper())
-        for word, many in pronunciations.items()
-        for k, phones in enumerate(many)
-    ]
-    for k, (name, phones) in enumerate(entries):
-        decoder.add_word(name, phones, k == len(entries) - 1)
+    decoder, names = _of_words(pronunciations, pause)
     data = samples.tobytes()
     try:
         decoder.set_align_text(" ".join(names[word] for word in words))
@@ -135,6 +126,40 @@ def recognise_words(
     return found if index == len(words) - 1 else None
 
 
+def recognise_beginning(
+    samples: np.ndarray,
+    words: Sequence[str],
+    pronunciations: Mapping[str, Sequence[Sequence[str]]],
+    pause: float,
+) -> list[tuple[float, float]]:
+    """Find how many of given words are said in a sound that ends somewhere among them, and when.
+
+    Memory and time grow with the length of the sound (2 s for 40 s of sound): there are no states to be traced back.
+
+    Parameters
+    ----------
+    samples, words, pronunciations, pause : as for :func:`recognise_words`
+
+    Returns
+    -------
+    (start, end) in seconds of each word that is said, from the first on; the last few may be wrong, where the sound
+    ends in the middle of a word
+    """
+    decoder, names = _of_words(pronunciations, pause)
+    count = len(words)
+    chain = [(i, i + 1, 1.0, names[word]) for i, word in enumerate(words)]
+    decoder.add_fsg(
+        "words", decoder.create_fsg("words", 0, count + 1, chain + [(i, count + 1, 1.0) for i in range(count + 1)])
+    )
+    decoder.activate_search("words")
+    try:
+        _decode(decoder, samples.tobytes())
+        found = [(part.word, part.start_frame, part.end_frame + 1) for part in decoder.seg()]
+    except (RuntimeError, TypeError):  # no hypothesis at all
+        return []
+    return [_seconds((first, last)) for name, first, last in found if name.startswith("w")]
+
+
 def recognise_phones(samples: np.ndarray) -> list[RecognisedPhone]:
     """Best sequence of any phones for the sound: how well it can be explained without knowing what is said."""
     decoder = _decoder()
@@ -153,6 +178,21 @@ def recognise_phones(samples: np.ndarray) -> list[RecognisedPhone]:
         score = logmath.log(part.ascore) / (borders[1] - borders[0])
         found.append(RecognisedPhone(0 if spoken else -1, label, _seconds(borders), score))
     return found
+
+
+def _of_words(pronunciations: Mapping[str, Sequence[Sequence[str]]], pause: float):
+    """A decoder that knows some words alone, and the names that they have in it."""
+    # Nearly open beams: with the usual ones the search loses whole sentences of clear speech.
+    decoder = _decoder(beam=BEAM, pbeam=BEAM, wbeam=BEAM, silprob=pause)
+    names = {word: f"w{i}" for i, word in enumerate(pronunciations)}
+    entries = [
+        (names[word] if k == 0 else f"{names[word]}({k + 1})", " ".join(phones).upper())
+        for word, many in pronunciations.items()
+        for k, phones in enumerate(many)
+    ]
+    for k, (name, phones) in enumerate(entries):
+        decoder.add_word(name, phones, k == len(entries) - 1)
+    return decoder, names
 
 
 def _decoder(**options):

@@ -3,7 +3,8 @@
 From a text the times are those of the voice itself, a by-product of the synthesis (Fan 2015, 4.1). The voice knows
 phones and not the three states that models are trained with, so a phone is shared out among them in the proportions
 that its states have on average in the alignment of the training data, or in thirds where these are not known; pauses
-always in thirds, as the alignment has them. From a recording, the times are those of a forced alignment.
+always in thirds, as the alignment has them. From a recording, the times are those of a forced alignment, or
+of the phones that are recognised where its words are not known.
 """
 
 from collections.abc import Iterable, Iterator, Mapping
@@ -14,11 +15,13 @@ from pathlib import Path
 import numpy as np
 
 from visualspeech.errors import SettingError
-from visualspeech.media import read_audio
+from visualspeech.media import stream_audio
 from visualspeech.speech import tts
 from visualspeech.speech.alignment import RATE as ALIGNED_AT
-from visualspeech.speech.alignment import Alignment, AlignmentSettings, Segment, align
+from visualspeech.speech.alignment import Alignment, AlignmentSettings, Segment, pronounced
+from visualspeech.speech.lexicon import Lexicon
 from visualspeech.speech.phones import SILENCE, STATES
+from visualspeech.speech.pieces import align_pieces, recognised_pieces
 from visualspeech.speech.sentences import split_sentences
 
 THIRDS = (1 / STATES,) * STATES
@@ -97,25 +100,50 @@ def speak_text(
 
 
 def speak_recording(
-    path: str | Path, transcript: str, lexicon=None, settings: AlignmentSettings | None = None
-) -> Spoken:
-    """A recording of somebody's speech (a sound or video file), aligned with what is said in it.
+    path: str | Path,
+    transcript: str | None,
+    rate: float,
+    lexicon: Lexicon | None = None,
+    settings: AlignmentSettings | None = None,
+    shares: Mapping[str, Iterable[float]] | None = None,
+) -> Iterator[Spoken]:
+    """A recording of somebody's speech (a sound or video file), aligned with what is said in it, piece by piece.
+
+    Without a transcript the phones are those that the decoder hears. Memory does not grow with the length. The
+    transcript is the text of the first piece, and the others have none.
+
+    Parameters
+    ----------
+    transcript : what is said; None where that is not known
+    rate : of the frames that are to be shown, in Hz; pieces end with a frame, so that they join without a gap
+    shares : of a phone, the share of its time that each of its three states takes; for phones without a transcript
 
     Raises
     ------
     SettingError
-        The transcript is empty.
+        The transcript is empty (before anything is read).
     RejectedUtterance
-        The file cannot be read, or the words are not in the sound.
+        The file cannot be read, nobody speaks in it, or the words are not in the sound.
     """
-    if not transcript.strip():
-        raise SettingError(
-            f"what is said in {path} has to be given too: its words are aligned with the sound. Give it with --text."
-        )
-    heard = read_audio(path, ALIGNED_AT)
-    samples = np.clip(np.rint(heard.astype(np.float64) * 32767), -32768, 32767).astype(np.int16)
-    alignment = align(samples, transcript, lexicon, settings)
-    return Spoken(transcript, read_audio(path, SOUND_RATE), SOUND_RATE, alignment)
+    if transcript is not None and not transcript.strip():
+        raise SettingError(f"the text of {path} is empty; give what is said in it, or leave --text out.")
+    words = None if transcript is None else pronounced(transcript, lexicon or Lexicon())
+    heard = (_sixteen_bit(part) for part in stream_audio(path, ALIGNED_AT))
+    given, held, done, text = stream_audio(path, SOUND_RATE), np.zeros(0, np.float32), 0, transcript or ""
+    if words is None:
+        found = ((end, timed(phones, (), shares)) for end, phones in recognised_pieces(heard, rate, settings))
+    else:
+        found = align_pieces(heard, words, settings, rate)
+    for end, alignment in found:
+        count = round(round(end / ALIGNED_AT * rate) / rate * SOUND_RATE) - done
+        while len(held) < count and (more := next(given, None)) is not None:
+            held = np.concatenate([held, more])
+        yield Spoken(text, held[:count], SOUND_RATE, alignment)
+        held, done, text = held[count:], done + count, ""
+
+
+def _sixteen_bit(samples: np.ndarray) -> np.ndarray:
+    return np.clip(np.rint(samples.astype(np.float64) * 32767), -32768, 32767).astype(np.int16)
 
 
 def state_shares(tables: Iterable) -> dict[str, tuple[float, ...]]:

@@ -48,13 +48,16 @@ with (
     write_background(folder / FILES["background"], clips)
     ids = {one.id for one in training}
 
-    def silences():
+    def silences(**away):
         for path in source.alignment:
             for name, rows in read_alignment_rows(path).items():
                 if name in ids:
                     seen = parameters.array(name, "appearance")
-                    yield seen[resting_frames(rows, len(seen), parameters.rate(name))]
+                    yield seen[resting_frames(rows, len(seen), parameters.rate(name), **away)]
 
     tables = (table[table["id"].isin(ids)] for table in map(read_alignment_table, source.alignment))
     shares, phones = state_shares(tables), read_phones(source.phones)
-    describe_bundle(folder, phones, shares, rest_of(silences()), model=snakemake.wildcards.model, **names)
+    # Recordings cut close to the speech hold no long silence.
+    deep = any(map(len, silences()))
+    rest = rest_of(silences() if deep else silences(after=0.12, before=0.12))
+    describe_bundle(folder, phones, shares, rest, model=snakemake.wildcards.model, **names)

@@ -1,7 +1,8 @@
 """A video of the speaker who says one text."""
 
 from visualspeech.animation.bundle import SpeakerBundle
-from visualspeech.animation.speaking import SpeakSettings, perform, speak
+from visualspeech.animation.performance import perform
+from visualspeech.animation.speaking import SpeakSettings, speak
 from visualspeech.jobs import job
 from visualspeech.speech.spoken import VoiceSettings, speak_text
 
@@ -9,5 +10,5 @@ with job(snakemake.log[0]):
     bundle, voice = SpeakerBundle.load(snakemake.input[0]), VoiceSettings(**snakemake.params.voice)
     settings = SpeakSettings(label=snakemake.params.label)
     spoken = speak_text(snakemake.params.text, voice, bundle.shares)
-    performance = perform(spoken, bundle.network, bundle.rest, settings)
+    performance = perform(spoken, bundle.network, bundle.rest)
     speak(snakemake.output[0], performance, bundle, f"synthetic (eSpeak NG, {voice.voice})", settings)

@@ -6,22 +6,18 @@ import numpy as np
 import pytest
 
 from tests.unit.animation import speakers
+from visualspeech.animation import speaking
 from visualspeech.animation.bundle import FILES, SpeakerBundle, check_together, rest_of, resting_frames
-from visualspeech.animation.speaking import (
-    SpeakSettings,
-    in_phones_of,
-    pause_weights,
-    perform,
-    scene,
-    speak,
-    speaking_frames,
-)
+from visualspeech.animation.performance import REST, in_phones_of, pause_weights, perform
+from visualspeech.animation.speaking import SpeakSettings, scene, speak, speaking_frames
 from visualspeech.errors import DataError, SettingError, StorageError
 from visualspeech.face.aam.points import INNER_LIPS, to_points
+from visualspeech.features.resampling import resample
 from visualspeech.media import probe, read_audio, read_frames
 from visualspeech.speech.alignment import to_table
 from visualspeech.speech.phones import PHONES
 from visualspeech.speech.spoken import Spoken, VoiceSettings, speak_text, timed
+from visualspeech.spooling import Spool
 
 
 @pytest.fixture(scope="module")
@@ -125,9 +121,9 @@ def test_a_network_for_other_phones_is_refused(bundle):
 
 def test_the_face_at_rest_is_that_of_silence_away_from_speech():
     rows = to_table({"a": timed([("sil", 0, 0.4), ("aa", 0.4, 0.8), ("sil", 0.8, 1.2)])})
-    found = resting_frames(rows, 30, 25.0, away=0.11)
+    found = resting_frames(rows, 30, 25.0, after=0.11, before=0.31)
     times = (np.arange(30) + 0.5) / 25
-    assert np.array_equal(found, (times < 0.29) | (times > 0.91))
+    assert np.array_equal(found, (times < 0.09) | (times > 0.91))
     assert np.allclose(rest_of([np.ones((3, 2)), np.zeros((1, 2))]), 0.75)
     with pytest.raises(DataError, match="no silence"):
         rest_of([np.zeros((0, 2))])
@@ -156,12 +152,12 @@ def test_the_mouth_is_at_rest_in_silence(bundle):
     quiet, start = [], 0
     for one in spoken:
         frames = int(np.ceil(len(one.samples) / one.rate * 25 - 1e-6))
-        quiet.append(pause_weights(one.alignment, frames, 25.0, SpeakSettings().rest) == 1)
+        quiet.append(pause_weights(one.alignment, frames, 25.0, REST) == 1)
         start += frames
     quiet = np.concatenate(quiet)
     assert len(quiet) == len(performance.appearance) and 10 < quiet.sum() < len(quiet)
-    assert np.allclose(opening(performance.appearance[quiet]), opening(bundle.rest), atol=1e-3)
-    assert np.abs(opening(performance.appearance[~quiet]) - opening(bundle.rest)).max() > 0.05
+    assert np.allclose(opening(performance.appearance[:][quiet]), opening(bundle.rest), atol=1e-3)
+    assert np.abs(opening(performance.appearance[:][~quiet]) - opening(bundle.rest)).max() > 0.05
 
 
 def test_sound_and_picture_are_of_one_length(bundle):
@@ -172,14 +168,14 @@ def test_sound_and_picture_are_of_one_length(bundle):
     # The sound of each sentence is where its frames are: nothing is lost or moved by more than a frame a text.
     plain = np.concatenate([one.samples for one in speak_text(texts, VoiceSettings(pause=0.3111))])
     assert 0 <= len(performance.samples) - len(plain) <= 4 * performance.audio_rate / 25
-    assert np.square(performance.samples).sum() == pytest.approx(np.square(plain).sum(), rel=1e-4)
+    assert np.square(np.concatenate(list(performance.sound()))).sum() == pytest.approx(np.square(plain).sum(), rel=1e-4)
 
 
 def test_a_network_of_richer_labels_speaks_too(bundle):
     parts = ("position_in_syllable", "position_in_word", "stress")
     rich = speakers.network(bundle.network.outputs, bundle.rest[None] * [[1.0], [1.1]], PHONES, 25.0, "", parts)
     performance = perform(speak_text("A happy map."), rich, bundle.rest)
-    assert performance.appearance.shape[1] == bundle.network.outputs
+    assert performance.appearance[:].shape[1] == bundle.network.outputs
 
 
 def test_phones_that_the_model_lacks_are_replaced_or_refused(bundle):
@@ -209,6 +205,21 @@ def test_pictures_are_made_one_at_a_time(bundle):
     stream = speaking_frames(np.repeat(bundle.rest[None], 100_000, axis=0)[:3000], bundle)
     first = list(islice(stream, 3))
     assert len(first) == 3 and first[0].shape == (288, 360, 3)
+
+
+def test_pictures_do_not_depend_on_how_many_are_placed_at_a_time(bundle, monkeypatch):
+    """In pieces as in one, where the appearance has another rate than the pictures, from memory or from disk."""
+    appearance = np.random.default_rng(2).normal(size=(200, len(bundle.rest))).astype(np.float32) * 3 + bundle.rest
+    spool = Spool(np.float32, len(bundle.rest))
+    spool.append(appearance)
+    whole = list(speaking_frames(appearance, bundle, rate=100.0))
+    monkeypatch.setattr(speaking, "_PLACED", 7)
+    pieces = list(speaking_frames(spool, bundle, rate=100.0))
+    assert len(whole) == len(pieces) == 50
+    assert max(np.abs(a.astype(int) - b).max() for a, b in zip(whole, pieces, strict=True)) <= 1
+    # By another route: the whole appearance brought to the pictures' rate first.
+    resampled = list(speaking_frames(resample(appearance, 100.0, 25.0), bundle))
+    assert max(np.abs(a.astype(int) - b).max() for a, b in zip(whole, resampled, strict=True)) <= 1
 
 
 def test_the_video_has_sound_and_says_what_it_is(bundle, tmp_path):
@@ -241,5 +252,3 @@ def test_what_cannot_be_shown(bundle):
     one, other = (Spoken("a", np.zeros(rate, np.float32), rate, timed([("sil", 0, 1)])) for rate in (16_000, 22_050))
     with pytest.raises(DataError, match="16000 Hz, another of 22050"):
         perform([other, one], bundle.network, bundle.rest)
-    with pytest.raises(SettingError, match="rest"):
-        SpeakSettings(rest=0)

@@ -96,3 +96,19 @@ def test_bad_settings():
     with pytest.raises(DataError, match="no background"):
         next(walk(np.zeros((0, 0)), np.zeros(0, int), 25.0))
     assert next(walk(np.zeros((1, 1)), np.zeros(1, int), 25.0)) == Mix(0, 0, 0.0)
+
+
+def test_eyes_do_not_close_again_at_once():
+    """Of two recordings with a blink in the middle: a way that may turn round anywhere would double it."""
+    distances = np.full((150, 150), 2.0)
+    clip, closed = np.repeat([0, 1], 75), np.zeros(150, bool)
+    closed[[35, 36, 110, 111]] = True
+
+    def gaps(**settings):
+        way = list(islice(walk(distances, clip, 25.0, WalkSettings(**settings), closed), 5000))
+        shut = np.array([closed[mix.other if mix.share > 0.5 else mix.frame] for mix in way])
+        return np.diff(np.flatnonzero(np.diff(shut.astype(int)) == 1)) / 25
+
+    assert np.mean(gaps(blinks_apart=0.0) < 1.5) > 0.2
+    assert np.mean(gaps() < 1.2) < 0.02
+    assert gaps().max() < 15

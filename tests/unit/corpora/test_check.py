@@ -58,7 +58,7 @@ def test_unreadable_files(tmp_path):
     (tmp_path / "empty.mp4").write_bytes(b"")
     assert "empty: 0 bytes" in rejected(tmp_path / "empty.mp4")
     (tmp_path / "garbage.mp4").write_bytes(np.random.default_rng(0).bytes(5000))
-    assert rejected(tmp_path / "garbage.mp4").startswith("unreadable video file")
+    assert rejected(tmp_path / "garbage.mp4").startswith("unreadable media file")
     assert rejected(tmp_path) == "the file does not exist"
 
 
@@ -76,7 +76,7 @@ def test_truncated_files(tmp_path, name, codecs, options):
     path = record(tmp_path, name, codecs=codecs, audio_rate=48000, options=options)
     assert checked(path).findings == []
     reason = rejected(synthetic.truncated(path, 0.6))
-    assert reason.startswith("unreadable video file" if name == "a.mp4" else "truncated: its header announces 2.0")
+    assert reason.startswith("unreadable media file" if name == "a.mp4" else "truncated: its header announces 2.0")
 
 
 def test_a_truncated_real_recording(tmp_path):

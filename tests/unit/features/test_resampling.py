@@ -62,3 +62,14 @@ def test_nothing_to_resample():
         resample(np.zeros((0, 2)), 25.0, 50.0)
     with pytest.raises(DataError):
         resample(np.zeros((3, 2)), 25.0, 0.0)
+
+
+@pytest.mark.parametrize(("rate_in", "rate_out"), [(100.0, 25.0), (25.0, 29.97), (25.0, 25.0), (120.0, 29.97)])
+def test_a_part_is_that_of_the_whole(rate_in, rate_out):
+    values = np.random.default_rng(3).normal(size=(200, 2)).cumsum(axis=0)
+    whole = resample(values, rate_in, rate_out)
+    first, last = len(whole) // 3, len(whole) // 2
+    begin = int(first / rate_out * rate_in) - 2
+    end = int(last / rate_out * rate_in) + 3
+    part = resample(values[begin:end], rate_in, rate_out, last - first, begin=first / rate_out - begin / rate_in)
+    assert np.allclose(part, whole[first:last])

@@ -74,11 +74,11 @@ def test_a_recording_is_aligned_with_its_words(tmp_path):
     speech = next(iter(speak_text("The baby boys play with a map.")))
     path = tmp_path / "said.wav"
     soundfile.write(path, speech.samples, speech.rate)
-    found = speak_recording(path, "The baby boys play with a map.")
+    (found,) = speak_recording(path, "The baby boys play with a map.", 25.0)
     assert [w.label for w in found.alignment.words if w.label != SILENCE] == "the baby boys play with a map".split()
     true = [w.start for w in speech.alignment.words if w.label == "baby"][0]
     assert [w.start for w in found.alignment.words if w.label == "baby"][0] == pytest.approx(true, abs=0.08)
     assert len(found.samples) == pytest.approx(len(speech.samples) / speech.rate * found.rate, abs=found.rate / 10)
     assert np.abs(read_audio(path, 16_000)).max() > 0.1
-    with pytest.raises(SettingError, match="--text"):
-        speak_recording(path, "  ")
+    with pytest.raises(SettingError, match="is empty"):
+        next(speak_recording(path, "  ", 25.0))

@@ -1,0 +1,226 @@
+"""Alignment of recordings of any length, in pieces that are cut in the speaker's pauses.
+
+The search of a forced alignment takes memory with the square of the length, and a network is trained on sentences. So
+a window of the sound is searched for as many of the words to come as are said in it; the longest pause well inside the
+window, where the words on both sides are sure, is the cut; and what is before it is aligned as a recording of its own.
+"""
+
+from collections.abc import Iterable, Iterator
+
+import numpy as np
+
+from visualspeech.errors import RejectedUtterance
+from visualspeech.speech.alignment import (
+    CHECK,
+    HEARD,
+    LISTEN,
+    NO_SPEECH,
+    TOO_SHORT,
+    Alignment,
+    AlignmentSettings,
+    Pronounced,
+    Segment,
+    align_words,
+    has_speech,
+)
+from visualspeech.speech.phones import SILENCE, STATES
+from visualspeech.speech.recognition import RATE, padded, recognise_beginning, recognise_phones, speech_part
+
+WINDOW = 40.0  # seconds; what is not longer is one piece
+_FIRST, _LAST = 8.0, 32.0  # seconds of a window between which it is cut
+_FASTEST = 7.0  # words a second
+_PAUSE = 0.15  # seconds; shorter ones may be the closure of a stop
+_LAST_WORDS = 2  # words at the end of a window that are not sure,
+_ENDED = 3.0  # but where so many seconds of silence follow
+
+
+def align_pieces(
+    sound: Iterable[np.ndarray], spoken: Pronounced, settings: AlignmentSettings | None = None, rate: float = 100.0
+) -> Iterator[tuple[int, Alignment]]:
+    """Align a recording piece by piece; memory does not grow with its length.
+
+    Parameters
+    ----------
+    sound : int16 samples, mono, 16 kHz, some at a time
+    spoken : all that is said
+    rate : pieces end at borders of frames of this rate, in Hz
+
+    Yields
+    ------
+    of each piece its last sample (exclusive) in the recording, and its alignment, with times from its beginning
+
+    Raises
+    ------
+    RejectedUtterance
+        The words are not in the sound; of a recording of several pieces, with the time of the piece.
+    """
+    settings, held = settings or AlignmentSettings(), _Held(sound)
+    word = 0  # the first that is not aligned yet
+    while True:
+        last, samples, begin = held.fill(), held.samples, held.begin
+        length, words = len(samples), spoken.part(word, len(spoken.words))
+        if not last:
+            window = samples[: round(WINDOW * RATE)]
+            words = spoken.part(word, word + round(_FASTEST * WINDOW))
+            until, count = _cut(recognise(window, words, settings))
+            length = _at_border(begin, until, rate)
+            words = words.part(0, count)
+        try:
+            alignment = _aligned(samples[:length], words, settings)
+        except RejectedUtterance as error:
+            if last and not begin:
+                raise
+            if error.reason == NO_SPEECH and not last:
+                words, alignment = words.part(0, 0), _silence(length)
+            else:
+                place = f"from {_clock(begin)} to {_clock(begin + length)}"
+                reason = error.reason
+                if last and reason in (NO_SPEECH, TOO_SHORT):
+                    reason = f"the last {len(words.words)} words of the text, from {words.words[0]!r} on, are not said"
+                raise RejectedUtterance(f"{place}: {reason}", LISTEN) from error
+        yield begin + length, alignment
+        if last:
+            return
+        held.drop(length)
+        word += len(words.words)
+
+
+def recognised_pieces(
+    sound: Iterable[np.ndarray], rate: float = 100.0, settings: AlignmentSettings | None = None
+) -> Iterator[tuple[int, list[tuple[str, float, float]]]]:
+    """Phones of a recording whose words are not known, piece by piece, as a decoder without words hears them.
+
+    Parameters
+    ----------
+    sound, rate : as for :func:`align_pieces`
+
+    Yields
+    ------
+    of each piece its last sample (exclusive) in the recording, and its phones (label, start, end) in seconds from its
+    beginning, without a gap
+
+    Raises
+    ------
+    RejectedUtterance
+        Nobody speaks in all of the recording.
+    """
+    settings, held, heard = settings or AlignmentSettings(), _Held(sound), 0.0
+    while True:
+        last, begin = held.fill(), held.begin
+        window = held.samples[: round(WINDOW * RATE)]
+        length, phones = len(window), _phones(window, settings)
+        if not last:
+            borders = [(start, end) for label, start, end in phones if label == SILENCE]
+            spans = np.clip(np.array(borders).reshape(-1, 2), _FIRST, _LAST)
+            longest = spans[np.argmax(spans[:, 1] - spans[:, 0])] if len(spans) else (_LAST, _LAST)
+            length = _at_border(begin, float(np.mean(longest)) if longest[1] > longest[0] else _LAST, rate)
+            until = length / RATE
+            phones = [(label, start, min(end, until)) for label, start, end in phones if start < until]
+        heard += sum(end - start for label, start, end in phones if label != SILENCE)
+        if last and heard < HEARD * (begin + length) / RATE:
+            raise RejectedUtterance(NO_SPEECH, CHECK)
+        yield begin + length, phones
+        if last:
+            return
+        held.drop(length)
+
+
+def _phones(samples: np.ndarray, settings: AlignmentSettings) -> list[tuple[str, float, float]]:
+    """(label, start, end) of what sounds like phones, from the first sample to the last."""
+    seconds = len(samples) / RATE
+    if not np.any(samples):
+        return [(SILENCE, 0.0, seconds)]
+    moved = round(settings.padding * RATE) / RATE
+    found = [
+        (one.label, np.clip(one.borders[0] - moved, 0, seconds), np.clip(one.borders[-1] - moved, 0, seconds))
+        for one in recognise_phones(padded(samples, settings.padding, settings.noise))
+    ]
+    found = [one for one in found if one[2] > one[1]] or [(SILENCE, 0.0, seconds)]
+    starts = [0.0, *(float(start) for _, start, _ in found[1:]), seconds]
+    joined: list[tuple[str, float, float]] = []
+    for (label, _, _), start, end in zip(found, starts, starts[1:], strict=False):
+        if joined and label == joined[-1][0] == SILENCE:
+            start = joined.pop()[1]
+        joined.append((label, start, end))
+    return joined
+
+
+class _Held:
+    """The sound that is looked at: a window and a little more."""
+
+    def __init__(self, sound: Iterable[np.ndarray]) -> None:
+        self._sound = iter(sound)
+        self.samples = np.zeros(0, np.int16)
+        self.begin = 0  # place of its first sample in the recording
+
+    def fill(self) -> bool:
+        """Take more where there is less than a window; whether what is held is all that is left."""
+        while len(self.samples) <= WINDOW * RATE:
+            more = next(self._sound, None)
+            if more is None:
+                return True
+            self.samples = np.concatenate([self.samples, more])
+        return False
+
+    def drop(self, count: int) -> None:
+        self.samples, self.begin = self.samples[count:], self.begin + count
+
+
+def _at_border(begin: int, seconds: float, rate: float) -> int:
+    """Samples from ``begin`` to the border between two frames that is nearest to some seconds after it."""
+    return round(round((begin / RATE + seconds) * rate) / rate * RATE) - begin
+
+
+def recognise(window: np.ndarray, words: Pronounced, settings: AlignmentSettings) -> list[tuple[float, float]]:
+    """(start, end) in seconds of the words that are said in a window of the sound, see :func:`recognise_beginning`."""
+    if not words.words or not np.any(window):
+        return []
+    # A decoder finds words in a long silence before them, and cannot do with one that is perfectly still.
+    first, _ = speech_part(window, settings.speech_level, settings.margin)
+    noise = np.random.default_rng(0).normal(0, settings.noise, len(window))
+    window = np.clip(window + np.rint(noise), -32768, 32767).astype(np.int16)
+    sound = padded(window[first:], settings.padding, settings.noise)[: -max(1, round(settings.padding * RATE))]
+    found = recognise_beginning(sound, words.words, words.pronunciations, settings.pause)
+    moved = first / RATE - settings.padding
+    return [(start + moved, end + moved) for start, end in found]
+
+
+def _cut(words: list[tuple[float, float]]) -> tuple[float, int]:
+    """Where to cut a window, in seconds, and how many of the words found in it are before the cut."""
+    if not words:
+        return _LAST, 0
+    times = np.array(words)
+    # Gap k is before word k; the one behind the last word is sure only where nobody speaks for long.
+    ends, starts = np.r_[0.0, times[:, 1]], np.r_[times[:, 0], WINDOW]
+    sure = len(starts) if starts[-1] - ends[-1] >= _ENDED else max(1, len(words) - _LAST_WORDS + 1)
+    ends, starts = ends[:sure], starts[:sure]
+    first, last = np.clip(ends, _FIRST, _LAST), np.clip(starts, _FIRST, _LAST)
+    best = int(np.argmax(last - first))
+    if last[best] - first[best] < _PAUSE:
+        # Nobody pauses: between two words, as late as can be.
+        best = int(np.argmax(np.where(starts <= _LAST, starts, -1)))
+        return float(starts[best]), best
+    return float(first[best] + last[best]) / 2, best
+
+
+def _aligned(samples: np.ndarray, words: Pronounced, settings: AlignmentSettings) -> Alignment:
+    if words.words:
+        if not np.any(samples):
+            raise RejectedUtterance(NO_SPEECH, CHECK)
+        return align_words(samples, words, settings)
+    if has_speech(samples):
+        raise RejectedUtterance("there is speech that is not in the transcript", LISTEN)
+    return _silence(len(samples))
+
+
+def _silence(length: int) -> Alignment:
+    """Nobody speaks for so many samples."""
+    seconds = length / RATE
+    borders = np.linspace(0, seconds, STATES + 1).tolist()
+    states = tuple(Segment(str(k + 1), borders[k], borders[k + 1], 0) for k in range(STATES))
+    return Alignment((Segment(SILENCE, 0.0, seconds),), (Segment(SILENCE, 0.0, seconds, 0),), states)
+
+
+def _clock(sample: int) -> str:
+    seconds = sample / RATE
+    return f"{int(seconds // 60)}:{seconds % 60:04.1f}"
