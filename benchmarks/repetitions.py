@@ -8,7 +8,7 @@ times phone by phone. With noise of its own in each take, half the mean squared 
 variance; where takes differ in how they were said, it is an estimate from above. Printed are its root and beside it the
 root mean square errors of MODELs on the same frames (appearance parameters, not the mean over frames of Eq. 18), the
 share of the models' squared error that is noise, and by how much the error could still fall; with 95 % intervals over
-utterances.
+utterances. Then RMSE(appearance) (Eq. 18) of the frames in silence and in speech apart.
 """
 
 import sys
@@ -18,7 +18,8 @@ from pathlib import Path
 import numpy as np
 
 from visualspeech.corpora.table import of_split, read_utterances
-from visualspeech.features.labels import SILENCE
+from visualspeech.evaluation.metrics import frame_rmse
+from visualspeech.features.labels import SILENCE, read_phones
 from visualspeech.speech.rows import read_alignment_rows
 from visualspeech.storage import ArrayCollection
 from visualspeech.timing import frame_times
@@ -92,6 +93,22 @@ def main(results: str, experiment: str, *models: str) -> None:
             f"{whole[0] / whole[column]:.0%} is noise, the error could fall by "
             f"{1 - np.sqrt(whole[0] / whole[column]):.1%} [{left[0]:.1%}, {left[1]:.1%}]"
         )
+    by_speech(run, of_split(utterances, "test"), models)
+
+
+def by_speech(run: Path, utterances, models) -> None:
+    """Print RMSE(appearance) of frames in silence and in speech."""
+    phones = read_phones(run / "phones.tsv")
+    with ArrayCollection(sorted((run / "features").glob("*.h5"))) as features:
+        truth = [features.array(one.id, "appearance") for one in utterances]
+        labels = np.concatenate([features.array(one.id, "labels") for one in utterances])
+    silent = labels[:, 1] == phones.index(SILENCE)
+    print(f"{silent.mean():.0%} of {len(silent)} frames are silence")
+    for name in models:
+        with ArrayCollection([run / "models" / name / "predictions.h5"]) as predictions:
+            pairs = zip(utterances, truth, strict=True)
+            errors = np.concatenate([frame_rmse(predictions.array(u.id, "appearance"), v) for u, v in pairs])
+        print(f"{name}: {errors[silent].mean():.2f} in silence, {errors[~silent].mean():.2f} in speech")
 
 
 if __name__ == "__main__":

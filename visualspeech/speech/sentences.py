@@ -6,13 +6,14 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from visualspeech.errors import SettingError
+from visualspeech.jobs import log
 
 LONGEST = 280  # characters; what is longer is cut at a comma, else at a space
 _ABBREVIATIONS = frozenset("mr mrs ms dr prof st jr sr vs etc e.g i.e no fig eq approx".split())
 
 
 def split_sentences(text: str, longest: int = LONGEST) -> list[str]:
-    """Sentences of a text in their order, each with a word that can be spoken; what has none is left out.
+    """Sentences of a text in their order, each with a word that can be spoken; of what has none the log warns.
 
     A sentence ends at ``.``, ``!``, ``?`` or ``:`` before white space (not after an abbreviation or an initial), and at
     an empty line.
@@ -33,10 +34,15 @@ def split_sentences(text: str, longest: int = LONGEST) -> list[str]:
             found.append(words[begin : mark.end()].strip())
             begin = mark.end()
         found.append(words[begin:].strip())
-    spoken = [piece for one in found for piece in _pieces(one, longest) if pronounceable(piece)]
+    pieces = [piece for one in found for piece in _pieces(one, longest)]
+    spoken = [piece for piece in pieces if pronounceable(piece)]
     if not spoken:
         shown = text.strip()[:60]
         raise SettingError(f"there is no word to pronounce in {shown!r}; give a sentence in English words or numbers.")
+    for piece in pieces:
+        # Marks alone, such as a line of stars between two paragraphs, are nobody's loss.
+        if piece not in spoken and any(character.isalnum() for character in piece):
+            log.warning("left out, for it has no word in Latin letters: %s", piece[:60])
     return spoken
 
 

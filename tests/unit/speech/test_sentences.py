@@ -49,3 +49,10 @@ def test_texts_are_numbered_and_read_from_a_file(tmp_path):
     path.write_text("Fine.\n\nFine too.\n- -\n")
     with pytest.raises(SettingError, match=r"no word to pronounce in '- -', text 3 of .*texts\.txt"):
         listed_sentences([], str(path))
+
+
+def test_a_sentence_that_cannot_be_spoken_is_not_lost_unsaid(caplog):
+    assert split_sentences("Hello.\n\nПривет всем.\n\n* * *\n\nGood bye.") == ["Hello.", "Good bye."]
+    assert [record.getMessage() for record in caplog.records] == [
+        "left out, for it has no word in Latin letters: Привет всем."
+    ]
