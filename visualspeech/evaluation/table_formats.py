@@ -181,11 +181,11 @@ def to_html_page(table: ResultTable, title: str = "Objective results") -> str:
 
 
 PAGE_STYLE = (
-    ":root{color-scheme:light dark}body{font:15px/1.5 system-ui,sans-serif;margin:2rem auto;max-width:75rem;"
+    ":root{color-scheme:light dark}body{font:15px/1.5 system-ui,sans-serif;margin:2rem auto;max-width:min(92vw,110rem);"
     "padding:0 1rem}table{border-collapse:collapse;margin:1rem 0;width:100%}th,td{padding:.35rem .6rem;"
     "text-align:right;border-bottom:1px solid #8884;font-variant-numeric:tabular-nums}th:first-child{text-align:left}"
     "td small{display:block;opacity:.65}tr.baseline th,tr.floor th{font-weight:400}figure{margin:0}dt{font-weight:600}"
-    "dd{margin:0 0 .4rem}.scroll{overflow-x:auto}"
+    "dd{margin:0 0 .4rem}.scroll{overflow-x:auto}th[colspan]{text-align:center}"
 )
 
 
