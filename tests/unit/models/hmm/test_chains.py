@@ -1,7 +1,6 @@
 from itertools import combinations
 
 import numpy as np
-import pytest
 
 from visualspeech.models.hmm.chains import even_states, expected_states, forward_backward, timed_states
 
@@ -42,13 +41,14 @@ def test_forward_backward_against_all_paths():
 
 
 def test_forward_backward_against_hmmlearn():
-    hmm = pytest.importorskip("hmmlearn.hmm")
+    from hmmlearn.hmm import GaussianHMM
+
     density, stay = chains(1, 1, 12, 4)
     means, deviation = np.array([[0.0], [1.0], [3.0], [-1.0]]), 0.7
     observed = np.random.default_rng(2).normal(size=(12, 1))
     log_density = -0.5 * ((observed - means.T) / deviation) ** 2 - np.log(deviation * np.sqrt(2 * np.pi))
     # The end is a fifth state that emits a value of its own.
-    model = hmm.GaussianHMM(5, "diag", init_params="", params="")
+    model = GaussianHMM(5, "diag", init_params="", params="")
     model.startprob_ = np.eye(5)[0]
     model.transmat_ = np.diag([*stay[0], 1.0]) + np.diag(1 - stay[0], 1)
     model.means_ = np.vstack([means, [[1e3]]])
