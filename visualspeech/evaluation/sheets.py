@@ -124,7 +124,8 @@ def to_html(sheets: Sequence[Sheet]) -> str:
     """HTML fragments (``<figure>``) that style themselves where they stand; all text escaped."""
     out = []
     for sheet in sheets:
-        out += ['<figure class="result-table">', f"<figcaption><b>{html.escape(sheet.title)}</b>"]
+        kind = "result-table grouped" if sheet.groups else "result-table"
+        out += [f'<figure class="{kind}">', f"<figcaption><b>{html.escape(sheet.title)}</b>"]
         out.append(" · ".join(f"{html.escape(name)}: {html.escape(text)}" for name, text in sheet.facts))
         out.append('</figcaption><div class="scroll"><table><thead>')
         corner = f'<th scope="col"{" rowspan=2" if sheet.groups else ""}>{html.escape(sheet.corner)}</th>'
@@ -133,7 +134,9 @@ def to_html(sheets: Sequence[Sheet]) -> str:
                 f'<th scope="colgroup" colspan="{span}">{html.escape(name)}</th>' for name, span in sheet.groups
             )
             out.append(f"<tr>{corner}{spans}</tr>")
-        heads = "".join(f'<th scope="col">{html.escape(column)}</th>' for column in sheet.columns)
+        # Many columns stand side by side: a heading may break before its bracket.
+        names = (html.escape(column).replace("(", "<wbr>(") for column in sheet.columns)
+        heads = "".join(f'<th scope="col">{name}</th>' for name in names)
         out.append(f"<tr>{'' if sheet.groups else corner}{heads}</tr></thead><tbody>")
         for name, cells in sheet.rows:
             out.append(f'<tr><th scope="row">{html.escape(name)}</th>{"".join(map(_html_cell, cells))}</tr>')
