@@ -30,7 +30,8 @@ def code_digest(script: str | Path) -> str:
     """Digest of a script and of every module of this package that it reaches, without docstrings and comments.
 
     Follows imports inside the package with :mod:`ast`, the lazy ones inside functions too, so that a rule re-runs when
-    the code it uses changes and not when other code does.
+    the code it uses changes and not when other code does. Data of the package (templates, published figures) count with
+    the modules that name their folder.
     """
     reached: set[Path] = set()
     waiting = [Path(script).resolve()]
@@ -39,7 +40,9 @@ def code_digest(script: str | Path) -> str:
         if path not in reached:
             reached.add(path)
             waiting.extend(_imported(path))
-    return digest(sorted((path.name, _syntax(path)) for path in reached))
+    modules = [(path.name, _syntax(path)) for path in reached]
+    data = {file for path in reached for file in _data(path)}
+    return digest(sorted(modules) + sorted((file.name, file_digest(file)) for file in data))
 
 
 @cache
@@ -55,6 +58,19 @@ def _syntax(path: Path) -> str:
             ):
                 node.body = node.body[1:]
     return hashlib.sha256(ast.dump(tree).encode()).hexdigest()
+
+
+@cache
+def _data(path: Path) -> tuple[Path, ...]:
+    """The files of every folder beside a module that it names and that is no package."""
+    named = {node.value for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))) if _is_name(node)}
+    folders = (path.parent / name for name in sorted(named))
+    found = (folder for folder in folders if folder.is_dir() and not (folder / "__init__.py").exists())
+    return tuple(file for folder in found for file in sorted(folder.rglob("*")) if file.is_file())
+
+
+def _is_name(node: ast.AST) -> bool:
+    return isinstance(node, ast.Constant) and isinstance(node.value, str) and node.value.isidentifier()
 
 
 @cache

@@ -37,6 +37,7 @@ def fresh(script):
     """A digest as another process would make it."""
     provenance._syntax.cache_clear()
     provenance._imported.cache_clear()
+    provenance._data.cache_clear()
     return provenance.code_digest(script)
 
 
@@ -59,6 +60,19 @@ def test_code_digest_sees_the_script_itself(package):
     _, script = package
     before = fresh(script)
     script.write_text("from pack import middle\nprint(middle.run())\n")
+    assert fresh(script) != before
+
+
+def test_code_digest_sees_the_data_that_a_module_names(package):
+    root, script = package
+    for folder in ("pages", "others"):
+        (root / folder).mkdir()
+        (root / folder / "page.html").write_text("<p>")
+    (root / "used.py").write_text('def f():\n    return Path(__file__).parent / "pages"\n')
+    before = fresh(script)
+    (root / "others" / "page.html").write_text("<b>")
+    assert fresh(script) == before
+    (root / "pages" / "page.html").write_text("<b>")
     assert fresh(script) != before
 
 
