@@ -78,7 +78,7 @@ def _parser() -> argparse.ArgumentParser:
 
 
 def _speak(given: argparse.Namespace) -> None:
-    from visualspeech.speech.sentences import split_sentences
+    from visualspeech.speech.sentences import check_pronounceable
     from visualspeech.storage import check_writable
 
     text = _text(given)
@@ -90,7 +90,7 @@ def _speak(given: argparse.Namespace) -> None:
         raise SettingError(f"--seed {given.seed}: give a number of 0 or more.")
     check_writable(given.output)
     if text is not None:
-        split_sentences(text)  # a text without a word is told before anything is loaded
+        check_pronounceable(text)  # before anything is loaded
     from visualspeech.animation.bundle import SpeakerBundle
     from visualspeech.animation.performance import perform
     from visualspeech.animation.speaking import SpeakSettings, speak

@@ -23,6 +23,7 @@ def split_sentences(text: str, longest: int = LONGEST) -> list[str]:
     SettingError
         Not one word of the text can be pronounced.
     """
+    check_pronounceable(text)
     found: list[str] = []
     for paragraph in re.split(r"\n\s*\n", text):
         begin = 0
@@ -34,14 +35,12 @@ def split_sentences(text: str, longest: int = LONGEST) -> list[str]:
             found.append(words[begin : mark.end()].strip())
             begin = mark.end()
         found.append(words[begin:].strip())
-    pieces = [piece for one in found for piece in _pieces(one, longest)]
-    spoken = [piece for piece in pieces if pronounceable(piece)]
-    if not spoken:
-        shown = text.strip()[:60]
-        raise SettingError(f"there is no word to pronounce in {shown!r}; give a sentence in English words or numbers.")
-    for piece in pieces:
+    spoken: list[str] = []
+    for piece in (piece for one in found for piece in _pieces(one, longest)):
+        if pronounceable(piece):
+            spoken.append(piece)
         # Marks alone, such as a line of stars between two paragraphs, are nobody's loss.
-        if piece not in spoken and any(character.isalnum() for character in piece):
+        elif any(character.isalnum() for character in piece):
             log.warning("left out, for it has no word in Latin letters: %s", piece[:60])
     return spoken
 
@@ -66,17 +65,28 @@ def listed_sentences(given: Sequence[str], path: str = "") -> dict[str, str]:
         if not texts:
             raise SettingError(f"{path} holds no sentence; write one text a line.")
     for number, text in enumerate(texts, start=1):
-        if not pronounceable(text):
-            raise SettingError(
-                f"there is no word to pronounce in {text[:60]!r}, text {number} of {place}; give a sentence in English "
-                "words or numbers."
-            )
+        check_pronounceable(text, f", text {number} of {place}")
     return {f"{number:03d}": text for number, text in enumerate(texts, start=1)}
 
 
 def pronounceable(text: str) -> bool:
     """Whether a text holds a Latin letter or a digit: what the English voice can read out."""
     return any(character.isascii() and character.isalnum() for character in unicodedata.normalize("NFKD", text))
+
+
+def check_pronounceable(text: str, place: str = "") -> None:
+    """Whether a text holds a word that can be spoken; ``place`` says in the message where it stands.
+
+    Raises
+    ------
+    SettingError
+        It holds none.
+    """
+    if not pronounceable(text):
+        shown = text.strip()[:60]
+        raise SettingError(
+            f"there is no word to pronounce in {shown!r}{place}; give a sentence in English words or numbers."
+        )
 
 
 def _pieces(sentence: str, longest: int) -> list[str]:
