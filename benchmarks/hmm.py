@@ -12,10 +12,8 @@ import sys
 import time
 from pathlib import Path
 
-import numpy as np
-
+from benchmarks.runs import alignment_files, rmse_and_corr
 from visualspeech.corpora.table import of_split, read_utterances
-from visualspeech.evaluation.metrics import frame_correlation, frame_rmse
 from visualspeech.features.labels import read_phones
 from visualspeech.models.hmm.examples import TimedExamples, read_tracks
 from visualspeech.models.hmm.mge import generation_error
@@ -29,8 +27,7 @@ def main(results: str, experiment: str, last: str, *changes: str) -> None:
     corpus, run = Path(results), Path(results, experiment)
     phones = read_phones(run / "phones.tsv")
     utterances = read_utterances(run / "utterances.tsv")
-    shards = sorted(path for path in corpus.glob("alignment/*.tsv") if path.stem.isdigit())
-    tracks = read_tracks(shards, phones)
+    tracks = read_tracks(alignment_files(corpus), phones)
     with ArrayCollection(sorted((run / "features").glob("*.h5"))) as features:
         training, validation = (
             TimedExamples(features, [one.id for one in of_split(utterances, split)], tracks)
@@ -59,12 +56,7 @@ def _later(setting: str, name: str) -> bool:
 
 
 def _figures(hmm, training, validation) -> str:
-    errors, correlations = [], []
-    for track, truth, rate in validation:
-        predicted = hmm.predict(track, len(truth), rate)
-        errors.append(frame_rmse(predicted, truth))
-        correlations.append(np.nan_to_num(frame_correlation(predicted, truth)))
-    rmse, corr = (np.concatenate(parts).mean() for parts in (errors, correlations))
+    rmse, corr = rmse_and_corr((hmm.predict(track, len(truth), rate), truth) for track, truth, rate in validation)
     generation = [generation_error(hmm, part) for part in (training, validation)]
     return (
         f"RMSE(appearance) {rmse:.3f}, CORR {corr:.4f}, {hmm.tying.gaussians} Gaussians, "

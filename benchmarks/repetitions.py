@@ -17,9 +17,11 @@ from pathlib import Path
 
 import numpy as np
 
+from benchmarks.runs import alignment_files
 from visualspeech.corpora.table import of_split, read_utterances
 from visualspeech.evaluation.metrics import frame_rmse
 from visualspeech.features.labels import SILENCE, read_phones
+from visualspeech.features.resampling import at_times
 from visualspeech.speech.rows import read_alignment_rows
 from visualspeech.storage import ArrayCollection
 from visualspeech.timing import frame_times
@@ -39,19 +41,11 @@ def takes_of(rows) -> list[tuple[tuple, np.ndarray]]:
     return found
 
 
-def at_times(values: np.ndarray, rate: float, times: np.ndarray) -> np.ndarray:
-    """A stream (T, N), linear between the middles of its frames, at times in seconds (M,): (M, N)."""
-    place = np.clip(times * rate - 0.5, 0, len(values) - 1)
-    below = np.minimum(place.astype(int), max(len(values) - 2, 0))
-    share = (place - below)[:, None]
-    return values[below] * (1 - share) + values[np.minimum(below + 1, len(values) - 1)] * share
-
-
 def main(results: str, experiment: str, *models: str) -> None:
     corpus, run = Path(results), Path(results, experiment)
     utterances = read_utterances(run / "utterances.tsv")
     rows = {}
-    for path in sorted(path for path in corpus.glob("alignment/*.tsv") if path.stem.isdigit()):
+    for path in alignment_files(corpus):
         rows.update(read_alignment_rows(path))
     takes = defaultdict(list)
     for one in utterances:

@@ -13,8 +13,8 @@ from pathlib import Path
 
 import numpy as np
 
+from benchmarks.runs import alignment_files, rmse_and_corr
 from visualspeech.corpora.table import of_split, read_utterances
-from visualspeech.evaluation.metrics import frame_correlation, frame_rmse
 from visualspeech.features.examples import Examples
 from visualspeech.features.labels import read_phones
 from visualspeech.models.blstm import parse_stack
@@ -30,7 +30,7 @@ def main(results: str, experiment: str, networks: str = "FBB-128", shares: str =
     corpus, run = Path(results), Path(results, experiment)
     phones, utterances = read_phones(run / "phones.tsv"), read_utterances(run / "utterances.tsv")
     ids = {split: [one.id for one in of_split(utterances, split)] for split in ("train", "validation", "test")}
-    tracks = read_tracks(sorted(path for path in corpus.glob("alignment/*.tsv") if path.stem.isdigit()), phones)
+    tracks = read_tracks(alignment_files(corpus), phones)
     order = np.random.default_rng(1).permutation(len(ids["train"]))
     with ArrayCollection(sorted((run / "features").glob("*.h5"))) as features:
         for share in map(int, shares.split(",")):
@@ -42,23 +42,17 @@ def main(results: str, experiment: str, networks: str = "FBB-128", shares: str =
                 learned = TimedExamples(features, chosen, tracks)
                 hmm = train_variant(name, hmm, learned, timed["validation"], phones, HmmSettings())
                 pairs = [(hmm.predict(track, len(truth), rate), truth) for track, truth, rate in timed["test"]]
-                last, corr = _figures(pairs)
+                last, corr = rmse_and_corr(pairs)
                 print(f"{len(chosen)} utterances, {name}: RMSE(appearance) {last:.3f}, CORR {corr:.4f}", flush=True)
             for name in networks.split(","):
                 rate = features.rate(chosen[0])
                 made = train(parse_stack(name), phones, Examples(features, chosen), plain["validation"], rate)
-                rmse, corr = _figures([(made.network.predict(labels), truth) for labels, truth in plain["test"]])
+                rmse, corr = rmse_and_corr([(made.network.predict(labels), truth) for labels, truth in plain["test"]])
                 print(
                     f"{len(chosen)} utterances, {name}: RMSE(appearance) {rmse:.3f}, CORR {corr:.4f}, "
                     f"gain over {HMMS[-1]} {1 - rmse / last:.1%}",
                     flush=True,
                 )
-
-
-def _figures(pairs) -> tuple[float, float]:
-    errors = np.concatenate([frame_rmse(predicted, truth) for predicted, truth in pairs])
-    correlations = np.concatenate([np.nan_to_num(frame_correlation(predicted, truth)) for predicted, truth in pairs])
-    return float(errors.mean()), float(correlations.mean())
 
 
 if __name__ == "__main__":

@@ -43,14 +43,15 @@ def resample(
     flat = values.reshape(len(values), -1).astype(np.float64)
     centres = begin + frame_times(frames, rate_out)
     if rate_out >= rate_in:
-        result = _line(flat, rate_in, centres)
+        result = at_times(flat, rate_in, centres)
     else:
         edges = begin + np.arange(frames + 1) / rate_out
         result = np.diff(_integral(flat, rate_in, edges), axis=0) * rate_out
     return result.reshape(frames, *values.shape[1:]).astype(kind)
 
 
-def _line(values: np.ndarray, rate: float, times: np.ndarray) -> np.ndarray:
+def at_times(values: np.ndarray, rate: float, times: np.ndarray) -> np.ndarray:
+    """A stream (T, N) at ``rate`` Hz, taken as linear between its frame centres, at times in seconds (M,): (M, N)."""
     place = np.clip(times * rate - 0.5, 0, len(values) - 1)
     below = np.minimum(place.astype(int), max(len(values) - 2, 0))
     share = (place - below)[:, None]
@@ -66,4 +67,4 @@ def _integral(values: np.ndarray, rate: float, times: np.ndarray) -> np.ndarray:
     piece = np.clip(np.searchsorted(knots, times, side="right") - 1, 0, len(knots) - 1)
     rest = (times - knots[piece])[:, None]
     # Past the last knot the line is constant, so the mean height of the piece is that of its start.
-    return total[piece] + rest * (heights[piece] + _line(values, rate, times)) / 2
+    return total[piece] + rest * (heights[piece] + at_times(values, rate, times)) / 2
