@@ -7,7 +7,7 @@ nothing outside.
 """
 
 import json
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -30,6 +30,7 @@ VERSION = 1
 DESCRIPTION = "speaker.json"
 PARTS = ("network", "aam", "reference", "head", "rest", "background")
 FILES = {name: f"{name}.safetensors" for name in PARTS} | {"background": "background.h5"}
+_CUT_CLOSE = {"after": 0.12, "before": 0.12}  # seconds to speech in recordings without a long silence
 
 
 @dataclass(frozen=True)
@@ -147,6 +148,27 @@ def resting_frames(rows, frames: int, rate: float, after: float = 0.25, before: 
         if label != SILENCE:
             quiet &= (times < start - before) | (times > end + after)
     return quiet
+
+
+def resting_face(utterances: Callable[[], Iterable[tuple]]) -> np.ndarray:
+    """The face at rest, (N,) float32, of utterances: of long silences, or of short ones where there are no long ones.
+
+    Parameters
+    ----------
+    utterances : gives, as often as it is called, the alignment (as for :func:`resting_frames`), the appearance
+        (frames, N) and its rate in Hz of each utterance, so that they need not be held together
+
+    Raises
+    ------
+    DataError
+        There is no silence.
+    """
+
+    def silences(**away) -> Iterator[np.ndarray]:
+        return (seen[resting_frames(rows, len(seen), rate, **away)] for rows, seen, rate in utterances())
+
+    # Recordings cut close to the speech hold no long silence.
+    return rest_of(silences() if any(map(len, silences())) else silences(**_CUT_CLOSE))
 
 
 def rest_of(silences: Iterable[np.ndarray]) -> np.ndarray:

@@ -3,7 +3,7 @@
 import shutil
 
 from visualspeech.animation.background import choose_recordings, write_background
-from visualspeech.animation.bundle import FILES, describe_bundle, rest_of, resting_frames
+from visualspeech.animation.bundle import FILES, describe_bundle, resting_face
 from visualspeech.corpora.table import of_split, read_utterances
 from visualspeech.errors import SettingError
 from visualspeech.face.aam.model import reference_face
@@ -48,16 +48,12 @@ with (
     write_background(folder / FILES["background"], clips)
     ids = {one.id for one in training}
 
-    def silences(**away):
+    def aligned():
         for path in source.alignment:
             for name, rows in read_alignment_rows(path).items():
                 if name in ids:
-                    seen = parameters.array(name, "appearance")
-                    yield seen[resting_frames(rows, len(seen), parameters.rate(name), **away)]
+                    yield rows, parameters.array(name, "appearance"), parameters.rate(name)
 
     tables = (table[table["id"].isin(ids)] for table in map(read_alignment_table, source.alignment))
     shares, phones = state_shares(tables), read_phones(source.phones)
-    # Recordings cut close to the speech hold no long silence.
-    deep = any(map(len, silences()))
-    rest = rest_of(silences() if deep else silences(after=0.12, before=0.12))
-    describe_bundle(folder, phones, shares, rest, model=snakemake.wildcards.model, **names)
+    describe_bundle(folder, phones, shares, resting_face(aligned), model=snakemake.wildcards.model, **names)
