@@ -18,7 +18,7 @@ import numpy as np
 from tests.paths import grid_root
 from visualspeech.corpora.grid import utterances
 from visualspeech.errors import RejectedUtterance
-from visualspeech.media import read_audio
+from visualspeech.media.reading import read_audio
 from visualspeech.speech.alignment import Aligner, AlignmentSettings
 from visualspeech.speech.recognition import RATE, speech_part
 

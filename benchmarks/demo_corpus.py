@@ -15,7 +15,7 @@ import numpy as np
 
 from visualspeech.corpora.demo.listing import utterances
 from visualspeech.corpora.demo.recording import read_truth, record_shard
-from visualspeech.media import read_frames
+from visualspeech.media.reading import read_frames
 from visualspeech.storage import ArrayReader
 
 UPPER, LOWER = [61, 62, 63], [67, 66, 65]

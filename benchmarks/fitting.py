@@ -22,7 +22,7 @@ from visualspeech.face.aam.points import LIPS, NOSE, lower_face, to_points
 from visualspeech.face.aam.reference import Reference
 from visualspeech.face.head import HeadModel
 from visualspeech.face.pose import Pose
-from visualspeech.media import read_frames
+from visualspeech.media.reading import read_frames
 from visualspeech.storage import ArrayCollection
 
 WAYS = (("alternating", fit), ("simultaneous", fit), ("project_out", fit), ("alternating", follow))

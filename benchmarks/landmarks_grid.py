@@ -15,7 +15,7 @@ from visualspeech.errors import RejectedUtterance
 from visualspeech.face.dlib_tracker import DlibTracker
 from visualspeech.face.screening import landmark_steps, track_screened
 from visualspeech.face.tracker import LandmarkSettings
-from visualspeech.media import read_frames
+from visualspeech.media.reading import read_frames
 
 PARTS = {"nose": range(27, 36), "mouth": range(48, 68), "jaw": range(17)}
 

@@ -32,7 +32,7 @@ from visualspeech.face.aam.fitting.shapes import ShapeSpace
 from visualspeech.face.aam.points import to_points, to_vector
 from visualspeech.face.aam.rows import ArrayRows
 from visualspeech.face.landmarks import track
-from visualspeech.media import read_frames
+from visualspeech.media.reading import read_frames
 
 DIAGONAL, PIXELS = 100, 4100
 SHAPE_MODES, TEXTURE_MODES, ITERATIONS = 15, 30, 10

@@ -21,7 +21,7 @@ from visualspeech.face.head import PoseSettings
 from visualspeech.face.pose import estimate, fit_head, rigid_error, to_frontal, to_image
 from visualspeech.face.screening import track_screened
 from visualspeech.face.tracker import RIGID
-from visualspeech.media import read_frames
+from visualspeech.media.reading import read_frames
 
 
 def normalised_by_a_plane_map(points: np.ndarray, goal: np.ndarray, affine: bool) -> np.ndarray:

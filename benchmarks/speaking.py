@@ -24,7 +24,7 @@ from visualspeech.animation.performance import REST, pause_weights, perform
 from visualspeech.animation.speaking import scene, speak
 from visualspeech.face.aam.points import INNER_LIPS, to_points
 from visualspeech.face.landmarks import track
-from visualspeech.media import read_frames
+from visualspeech.media.reading import read_frames
 from visualspeech.speech.spoken import speak_text
 from visualspeech.timing import frame_times
 

@@ -24,7 +24,7 @@ from visualspeech.face.aam.points import INNER_LIPS, LIPS, OUTLINE, TRACKED, to_
 from visualspeech.face.aam.reference import sample_texture
 from visualspeech.face.landmarks import track
 from visualspeech.face.pose import Pose, to_frontal
-from visualspeech.media import read_frames
+from visualspeech.media.reading import read_frames
 from visualspeech.storage import ArrayCollection
 
 UPPER, LOWER = INNER_LIPS.start + 2, INNER_LIPS.start + 6

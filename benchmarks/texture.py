@@ -16,7 +16,7 @@ import numpy as np
 
 from visualspeech.face.aam.points import TRIANGLES, lower_face
 from visualspeech.face.aam.reference import Reference, fit_reference, paint, sample_texture
-from visualspeech.media import read_frames
+from visualspeech.media.reading import read_frames
 
 FRAMES = 75
 

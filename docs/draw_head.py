@@ -9,7 +9,7 @@ from pathlib import Path
 import cv2
 import numpy as np
 
-from visualspeech.media import read_frames
+from visualspeech.media.reading import read_frames
 
 
 def main() -> None:

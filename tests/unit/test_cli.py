@@ -7,7 +7,7 @@ import pytest
 from tests.paths import REPOSITORY
 from tests.unit.animation import speakers
 from visualspeech.cli import main
-from visualspeech.media import probe
+from visualspeech.media.reading import probe
 from visualspeech.speech.spoken import speak_text
 
 

@@ -129,7 +129,8 @@ def test_an_error_of_another_file_is_not_blamed_on_the_written_one(tmp_path):
 FULL = """
 import resource, signal, sys
 import numpy as np
-from visualspeech import media, storage
+from visualspeech import storage
+from visualspeech.media import encoding, reading
 from visualspeech.errors import StorageError
 signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
 folder = sys.argv[1]
@@ -142,7 +143,7 @@ jobs = {
     "t.txt": lambda path: storage.write_text(path, "x" * 300_000),
     "m.safetensors": lambda path: storage.write_model(path, {"x": np.zeros(100_000)}, {}),
     "a.h5": arrays,
-    "v.mp4": lambda path: media.write_video(path, iter(noise), 25.0, np.zeros(20_000)),
+    "v.mp4": lambda path: encoding.write_video(path, iter(noise), 25.0, np.zeros(20_000)),
 }
 resource.setrlimit(resource.RLIMIT_FSIZE, (100_000, 100_000))
 for name, job in jobs.items():

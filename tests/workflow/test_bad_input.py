@@ -12,7 +12,7 @@ import yaml
 from tests import synthetic
 from tests.paths import REPOSITORY
 from tests.workflow.running import TINY, command, snakemake
-from visualspeech.media import read_audio, read_frames
+from visualspeech.media.reading import read_audio, read_frames
 from visualspeech.storage import read_table
 
 GOOD = 9

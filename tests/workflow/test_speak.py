@@ -8,7 +8,7 @@ import pytest
 import yaml
 
 from tests.workflow.running import TINY, planned_rules, snakemake
-from visualspeech.media import probe
+from visualspeech.media.reading import probe
 
 TEXTS = ["Hello there.", "A big map. Please buy the pie!"]
 

@@ -12,12 +12,12 @@ import numpy as np
 from visualspeech.errors import DataError
 from visualspeech.features.richer import full_labels
 from visualspeech.jobs import log
+from visualspeech.media.spooling import Spool
 from visualspeech.models.network import Network
 from visualspeech.speech.alignment import Alignment, to_table
 from visualspeech.speech.phones import SILENCE
 from visualspeech.speech.spoken import Spoken
 from visualspeech.speech.substitutes import substitutes
-from visualspeech.spooling import Spool
 from visualspeech.timing import frame_times
 
 FULL_SCALE = 32768  # of 16 bit

@@ -21,8 +21,8 @@ from visualspeech.animation.walk import Mix, WalkSettings, walk
 from visualspeech.face.pose import Pose
 from visualspeech.features.resampling import resample
 from visualspeech.jobs import progress
-from visualspeech.media import write_video
-from visualspeech.prefetching import prefetched
+from visualspeech.media.encoding import write_video
+from visualspeech.media.prefetching import prefetched
 
 PRESET = "veryfast"  # of the encoder, which would else take most of the time
 _PLACED = 100  # frames placed at a time

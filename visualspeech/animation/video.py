@@ -23,7 +23,8 @@ from visualspeech.face.drift import FaceReference, restore
 from visualspeech.face.head import HeadModel
 from visualspeech.face.pose import Pose
 from visualspeech.features.resampling import resample
-from visualspeech.media import probe, read_audio, read_frames, write_video
+from visualspeech.media.encoding import write_video
+from visualspeech.media.reading import probe, read_audio, read_frames
 
 AUDIO_RATE = 48000
 LABEL = "synthetic"

@@ -10,10 +10,10 @@ from pathlib import Path
 
 import numpy as np
 
-from visualspeech import media
 from visualspeech.corpora.findings import WARN, Finding, rejection
 from visualspeech.corpora.records import Utterance
 from visualspeech.errors import RejectedUtterance
+from visualspeech.media import reading
 from visualspeech.timing import frames_in
 
 STAGE = "check"
@@ -67,7 +67,7 @@ class CheckedRecording:
     rejected : why it cannot be used, or None
     findings : all that was found, the rejection included
     digest : of the decoded pictures and sound; empty where nothing could be decoded
-    frames : number of frames that :func:`visualspeech.media.read_frames` yields
+    frames : number of frames that :func:`visualspeech.media.reading.read_frames` yields
     """
 
     samples: np.ndarray | None
@@ -102,10 +102,10 @@ def check_recording(
         if not Path(utterance.media).is_file():
             raise RejectedUtterance("the file does not exist", "Bring it back, or take it out of the corpus's table.")
         _check_transcript(utterance)
-        info = media.probe(utterance.media)
-        scan = media.scan_video(utterance.media, utterance.start, utterance.end)
+        info = reading.probe(utterance.media)
+        scan = reading.scan_video(utterance.media, utterance.start, utterance.end)
         frames = scan.frames
-        sound = media.read_audio(utterance.media, RATE, utterance.start, utterance.end)
+        sound = reading.read_audio(utterance.media, RATE, utterance.start, utterance.end)
         digest = hashlib.sha256(scan.digest.encode() + sound.tobytes()).hexdigest()[:32]
         _check_end(utterance, scan, info, len(sound) / RATE, settings, warn)
         _check_pictures(scan, info, settings, warn)
@@ -141,7 +141,7 @@ def _check_transcript(utterance: Utterance) -> None:
     )
 
 
-def _check_pictures(scan: media.VideoScan, info: media.MediaInfo, settings: CheckSettings, warn) -> None:
+def _check_pictures(scan: reading.VideoScan, info: reading.MediaInfo, settings: CheckSettings, warn) -> None:
     seconds = scan.frames / info.rate
     if seconds < settings.shortest:
         raise RejectedUtterance(
@@ -187,8 +187,8 @@ def _check_pictures(scan: media.VideoScan, info: media.MediaInfo, settings: Chec
 
 def _check_end(
     utterance: Utterance,
-    scan: media.VideoScan,
-    info: media.MediaInfo,
+    scan: reading.VideoScan,
+    info: reading.MediaInfo,
     sound_seconds: float,
     settings: CheckSettings,
     warn,
@@ -234,7 +234,7 @@ def _check_end(
         warn(said, remedy)
 
 
-def _check_sound(sound: np.ndarray, info: media.MediaInfo, settings: CheckSettings, warn) -> None:
+def _check_sound(sound: np.ndarray, info: reading.MediaInfo, settings: CheckSettings, warn) -> None:
     levels = frame_levels(sound)
     loud = np.percentile(levels, 95) if len(levels) else -np.inf
     if loud < settings.silent_level:

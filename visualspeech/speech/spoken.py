@@ -15,7 +15,7 @@ from pathlib import Path
 import numpy as np
 
 from visualspeech.errors import SettingError
-from visualspeech.media import stream_audio
+from visualspeech.media.reading import stream_audio
 from visualspeech.speech import tts
 from visualspeech.speech.alignment import RATE as ALIGNED_AT
 from visualspeech.speech.alignment import Alignment, AlignmentSettings, Segment, pronounced

@@ -10,7 +10,7 @@ from visualspeech.face.aam.model import reference_face
 from visualspeech.face.pose import Pose
 from visualspeech.features.labels import read_phones
 from visualspeech.jobs import job, log
-from visualspeech.media import read_frames
+from visualspeech.media.reading import read_frames
 from visualspeech.speech.rows import read_alignment_rows, read_alignment_table
 from visualspeech.speech.spoken import state_shares
 from visualspeech.storage import ArrayCollection, replacing

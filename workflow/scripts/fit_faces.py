@@ -8,7 +8,7 @@ from visualspeech.face.aam.reference import Reference
 from visualspeech.face.drift import DriftSettings, reference_of
 from visualspeech.face.pose import HeadModel, Pose
 from visualspeech.jobs import job, log, progress
-from visualspeech.media import read_frames
+from visualspeech.media.reading import read_frames
 from visualspeech.speech.rows import read_alignment_rows, silent_frames
 from visualspeech.storage import ArrayReader, ArrayWriter
 

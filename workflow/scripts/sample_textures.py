@@ -5,7 +5,7 @@ from visualspeech.face.aam.points import lower_face, to_vector
 from visualspeech.face.aam.reference import Reference, sample_textures
 from visualspeech.face.drift import DriftSettings, reference_of
 from visualspeech.jobs import job, progress
-from visualspeech.media import read_frames
+from visualspeech.media.reading import read_frames
 from visualspeech.speech.rows import read_alignment_rows, silent_frames
 from visualspeech.storage import ArrayReader, ArrayWriter
 

@@ -6,7 +6,7 @@ from visualspeech.errors import RejectedUtterance
 from visualspeech.face.screening import ScreeningSettings, track_screened
 from visualspeech.face.tracker import LandmarkSettings
 from visualspeech.jobs import job, progress
-from visualspeech.media import probe, read_frames
+from visualspeech.media.reading import probe, read_frames
 from visualspeech.storage import ArrayReader, ArrayWriter
 
 with job(snakemake.log[0]), ArrayWriter(snakemake.output.landmarks) as out:

@@ -5,7 +5,7 @@ import numpy as np
 
 from tests.unit.animation.test_video import spoken  # noqa: F401
 from visualspeech.animation.pairs import write_pair
-from visualspeech.media import probe, read_frames
+from visualspeech.media.reading import probe, read_frames
 
 
 def test_a_pair_shows_both_and_names_neither(spoken, tmp_path):  # noqa: F811

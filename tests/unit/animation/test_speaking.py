@@ -13,11 +13,11 @@ from visualspeech.animation.speaking import SpeakSettings, scene, speak, speakin
 from visualspeech.errors import DataError, SettingError, StorageError
 from visualspeech.face.aam.points import INNER_LIPS, to_points
 from visualspeech.features.resampling import resample
-from visualspeech.media import probe, read_audio, read_frames
+from visualspeech.media.reading import probe, read_audio, read_frames
+from visualspeech.media.spooling import Spool
 from visualspeech.speech.alignment import to_table
 from visualspeech.speech.phones import PHONES
 from visualspeech.speech.spoken import Spoken, VoiceSettings, speak_text, timed
-from visualspeech.spooling import Spool
 
 
 @pytest.fixture(scope="module")

@@ -23,7 +23,8 @@ from visualspeech.face.aam.reference import ReferenceSettings, fit_reference, sa
 from visualspeech.face.aam.rows import ArrayRows
 from visualspeech.face.drift import FaceReference
 from visualspeech.face.pose import estimate, fit_head, to_frontal
-from visualspeech.media import probe, read_audio, read_frames, write_video
+from visualspeech.media.encoding import write_video
+from visualspeech.media.reading import probe, read_audio, read_frames
 
 
 @pytest.fixture(scope="module")

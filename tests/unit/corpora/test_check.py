@@ -5,11 +5,11 @@ import pytest
 
 from tests import synthetic
 from tests.paths import grid_root
-from visualspeech import media
 from visualspeech.corpora import check
 from visualspeech.corpora.check import CheckSettings, check_recording
 from visualspeech.corpora.findings import REJECT, WARN
 from visualspeech.corpora.records import Utterance
+from visualspeech.media import reading
 
 SECONDS = 2.0
 
@@ -36,7 +36,7 @@ def warnings(path, **fields):
     assert result.rejected is None, result.rejected
     # What the check accepts, later stages must be able to read, with as many frames.
     utterance = {name: fields[name] for name in ("start", "end") if name in fields}
-    assert sum(1 for _ in media.read_frames(path, **utterance)) == result.frames
+    assert sum(1 for _ in reading.read_frames(path, **utterance)) == result.frames
     return [finding.finding for finding in result.findings if finding.level == WARN]
 
 
@@ -49,7 +49,7 @@ def test_a_good_recording_passes_in_silence(tmp_path):
     result = checked(path)
     assert result.findings == [] and result.frames == 50
     assert result.samples.dtype == np.int16 and abs(len(result.samples) / 16000 - SECONDS) < 0.1
-    np.testing.assert_allclose(result.samples / 32767, media.read_audio(path, 16000), atol=1e-4)
+    np.testing.assert_allclose(result.samples / 32767, reading.read_audio(path, 16000), atol=1e-4)
     assert checked(path).digest == result.digest
 
 

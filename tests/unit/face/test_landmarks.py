@@ -164,7 +164,7 @@ def test_smoothing_keeps_straight_motion_and_calms_noise():
 
 @pytest.mark.skipif(grid_root() is None, reason="GRID is not here (set GRID_ROOT)")
 def test_a_grid_recording_is_tracked_steadily():
-    from visualspeech.media import read_frames
+    from visualspeech.media.reading import read_frames
 
     file = sorted((grid_root() / "s1").glob("*.mpg"))[0]
     result = track(read_frames(file))

@@ -3,7 +3,7 @@ import pytest
 
 from visualspeech.errors import SettingError
 from visualspeech.features.labels import label_indices
-from visualspeech.media import read_audio
+from visualspeech.media.reading import read_audio
 from visualspeech.speech.alignment import to_table
 from visualspeech.speech.phones import PHONES, SILENCE
 from visualspeech.speech.spoken import THIRDS, VoiceSettings, speak_recording, speak_text, state_shares, timed

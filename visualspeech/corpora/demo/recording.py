@@ -115,7 +115,7 @@ def record(utterance: Utterance, path: str | Path, settings: DemoSettings | None
     """
     from visualspeech.corpora.demo import articulation, motion
     from visualspeech.corpora.demo.rendering import Renderer, image_points
-    from visualspeech.media import write_video
+    from visualspeech.media.encoding import write_video
     from visualspeech.speech.tts import synthesise
 
     settings = settings or DemoSettings()

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from visualspeech.errors import StorageError
-from visualspeech.spooling import Spool
+from visualspeech.media.spooling import Spool
 
 
 def test_what_was_put_in_comes_out():

@@ -3,7 +3,7 @@ import threading
 import pytest
 
 from visualspeech.errors import DataError
-from visualspeech.prefetching import prefetched
+from visualspeech.media.prefetching import prefetched
 
 
 def test_a_thread_makes_items_in_their_order_and_tells_its_errors():
