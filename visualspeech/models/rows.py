@@ -1,0 +1,48 @@
+"""A model as a row of the result tables: what the settings ask for, as plain data, without any code of a model."""
+
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass, field
+
+#: What a row is in a table: a model that learns, a trivial baseline, or the error that the visual coding alone makes.
+ROLES = ("model", "baseline", "floor")
+
+
+@dataclass(frozen=True)
+class ModelRow:
+    """One model of a system.
+
+    Parameters
+    ----------
+    name : unique in its system; folder of its results, for example ``FBB-128-s2``
+    title : shown in tables
+    family : entry of the registry, for example ``stack`` or ``hmm``
+    settings : of the family, all defaults filled in (``letters``, ``nodes``, ...)
+    reads : names of the input blocks
+    training : settings of its training, all defaults filled in; empty for families without any
+    seed : of everything random in its training
+    group : key of the system's ``models:`` that asks for it, for example ``nets``
+    cell : name without the seed; rows of one cell are repetitions of each other
+    parent : name of the row that it is made from; empty for none
+    role : of :data:`ROLES`
+    """
+
+    name: str
+    title: str
+    family: str
+    settings: Mapping = field(default_factory=dict)
+    reads: tuple[str, ...] = ()
+    training: Mapping = field(default_factory=dict)
+    seed: int = 1
+    group: str = ""
+    cell: str = ""
+    parent: str = ""
+    role: str = "model"
+
+    def plain(self) -> dict:
+        """The row as JSON can hold it."""
+        return {**asdict(self), "reads": list(self.reads)}
+
+    @classmethod
+    def of(cls, plain: Mapping) -> "ModelRow":
+        """The inverse of :meth:`plain`."""
+        return cls(**{**plain, "reads": tuple(plain["reads"])})
