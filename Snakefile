@@ -4,7 +4,7 @@ from snakemake.utils import min_version
 
 from visualspeech.jobs import settle_environment
 
-min_version("9.0")
+min_version("9.20")
 
 settle_environment(workflow.basedir)
 
@@ -13,27 +13,44 @@ configfile: str(Path(workflow.basedir, "config", "config.yaml"))
 
 
 include: "workflow/rules/common.smk"
-include: "workflow/rules/demo.smk"
+
+
+# Where results lie; every path in the rules begins with one of these.
+pathvars:
+    results=SETTINGS["results"],
+    corpus="<results>/{corpus}",
+    coding="<corpus>/codings/{coding}",
+    system="<corpus>/{system}",
+    model="<system>/models/{model}",
+
+
+wildcard_constraints:
+    corpus=one_of(PLAN.corpora),
+    system=one_of(SETTINGS["systems"]),
+    coding=one_of(SETTINGS["codings"]),
+    block=one_of(name for system in SETTINGS["systems"].values() for name in system["blocks"]),
+    model=one_of(row.name for name in SETTINGS["systems"] for row in rows_of(name)),
+    speaker=one_of(name for corpus in PLAN.corpora.values() for name in corpus.speakers),
+    shard=r"\d+",
+
+
 include: "workflow/rules/corpus.smk"
+include: "workflow/rules/demo.smk"
 include: "workflow/rules/alignment.smk"
 include: "workflow/rules/landmarks.smk"
 include: "workflow/rules/pose.smk"
-include: "workflow/rules/aam.smk"
-include: "workflow/rules/fitting.smk"
+include: "workflow/rules/coding.smk"
 include: "workflow/rules/features.smk"
 include: "workflow/rules/models.smk"
-include: "workflow/rules/hmm.smk"
 include: "workflow/rules/tables.smk"
-include: "workflow/rules/comparisons.smk"
 include: "workflow/rules/videos.smk"
 include: "workflow/rules/preference.smk"
 include: "workflow/rules/speak.smk"
 include: "workflow/rules/report.smk"
 
 
-wildcard_constraints:
-    shard=r"\d+",
-    model="|".join(MODELS + HMMS + BASELINES),
+onstart:
+    hold_corpora()
 
 
 localrules:
@@ -41,7 +58,7 @@ localrules:
     alignment,
     landmarks,
     pose,
-    aam,
+    coding,
     features,
     models,
     tables,
@@ -55,70 +72,80 @@ localrules:
 rule all:
     default_target: True
     input:
-        f"{CORPUS}/check/findings.tsv",
-        f"{CORPUS}/alignment/textgrid",
-        expand(f"{RUN}/tables/{{table}}.tsv", table=TABLES),
-        f"{RUN}/videos",
-        f"{CORPUS}/report.html",
+        for_corpora("<corpus>/check/findings.tsv"),
+        for_corpora("<corpus>/alignment/textgrid"),
+        tables_of_all(),
+        for_systems("<system>/videos"),
+        for_corpora("<corpus>/report.html"),
 
 
 rule alignment:
     input:
-        shards(f"{CORPUS}/alignment/{{shard}}.tsv"),
-        f"{CORPUS}/alignment/textgrid",
+        for_corpora("<corpus>/alignment/{shard}.tsv"),
+        for_corpora("<corpus>/alignment/textgrid"),
 
 
 rule landmarks:
     input:
-        shards(f"{CORPUS}/landmarks/{{shard}}.h5"),
+        for_corpora("<corpus>/landmarks/{shard}.h5"),
 
 
 rule pose:
     input:
-        shards(f"{RUN}/pose/{{shard}}.h5"),
-        f"{RUN}/utterances.tsv",
+        for_corpora("<corpus>/pose/{shard}.h5"),
+        for_corpora("<corpus>/utterances.tsv"),
 
 
-rule aam:
+rule coding:
     input:
-        shards(f"{RUN}/aam/parameters/{{shard}}.h5"),
+        for_corpora("<coding>/parameters/{shard}.h5"),
 
 
 rule features:
     input:
-        shards(f"{RUN}/features/{{shard}}.h5"),
+        [
+            path
+            for corpus, system in PLAN.pairs
+            for path in expand(
+                workflow.pathvars.apply("<system>/features/{block}/{shard}.h5"),
+                corpus=corpus,
+                system=system,
+                block=blocks_read(system),
+                shard=PLAN.corpora[corpus].shards,
+            )
+        ],
 
 
 rule models:
     input:
-        expand(f"{RUN}/models/{{model}}/predictions.h5", model=MODELS + HMM_ROWS + BASELINES),
+        for_systems("<model>/predictions.h5", model=lambda system: [row.name for row in rows_of(system)]),
 
 
 rule tables:
     input:
-        expand(f"{RUN}/tables/{{table}}.tsv", table=TABLES),
+        tables_of_all(),
 
 
 rule videos:
     input:
-        f"{RUN}/videos",
+        for_systems("<system>/videos"),
 
 
 rule speaker:
     input:
-        f"{RUN}/speakers/{SPEAK['model']}",
+        speaker_folders(),
 
 
 rule speak:
     input:
-        expand(f"{RUN}/spoken/{{number}}.mp4", number=SENTENCES),
+        spoken_videos(),
 
 
 rule preference:
     input:
-        f"{RUN}/preference/videos",
+        for_systems("<system>/preference/videos"),
 
 
 rule report:
     input:
-        f"{CORPUS}/report.html",
+        for_corpora("<corpus>/report.html"),

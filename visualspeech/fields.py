@@ -7,6 +7,7 @@ The library checks a value when the dataclass is built; the workflow derives its
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import MISSING, asdict, field, fields, is_dataclass
+from importlib import import_module
 from types import UnionType
 from typing import ClassVar, get_args, get_origin, get_type_hints
 
@@ -142,3 +143,17 @@ def with_defaults(cls, given: Mapping, hidden: Sequence[str] = ()) -> dict:
 def default_of(one):
     """Default of a dataclass field."""
     return one.default if one.default is not MISSING else one.default_factory()
+
+
+def class_named(reference: str):
+    """The class that ``module:Class`` names, inside this package.
+
+    Raises
+    ------
+    ValueError
+        The module is outside the package.
+    """
+    module, _, name = reference.partition(":")
+    if module.partition(".")[0] != __name__.partition(".")[0]:
+        raise ValueError(f"{reference} is outside the package")
+    return getattr(import_module(module), name)

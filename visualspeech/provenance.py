@@ -3,7 +3,7 @@
 import ast
 import hashlib
 import json
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from functools import cache
 from pathlib import Path
 
@@ -26,23 +26,34 @@ def split_hash(split: Mapping[str, str]) -> str:
     return digest(sorted(split.items()))
 
 
-def code_digest(script: str | Path) -> str:
+def code_digest(script: str | Path, *modules: str, data: Iterable[str | Path] = ()) -> str:
     """Digest of a script and of every module of this package that it reaches, without docstrings and comments.
 
     Follows imports inside the package with :mod:`ast`, the lazy ones inside functions too, so that a rule re-runs when
     the code it uses changes and not when other code does. Data of the package (templates, published figures) count with
     the modules that name their folder.
+
+    Parameters
+    ----------
+    modules : further modules of this package, by their dotted names, that the script imports by name at run time
+    data : further files that it reads
     """
     reached: set[Path] = set()
-    waiting = [Path(script).resolve()]
+    waiting = [Path(script).resolve(), *(_module(name) for name in modules)]
     while waiting:
         path = waiting.pop()
         if path not in reached:
             reached.add(path)
             waiting.extend(_imported(path))
-    modules = [(path.name, _syntax(path)) for path in reached]
-    data = {file for path in reached for file in _data(path)}
-    return digest(sorted(modules) + sorted((file.name, file_digest(file)) for file in data))
+    syntax = [(path.name, _syntax(path)) for path in reached]
+    files = {file for path in reached for file in _data(path)} | set(map(Path, data))
+    return digest(sorted(syntax) + sorted((file.name, file_digest(file)) for file in files))
+
+
+def _module(name: str) -> Path:
+    parts = name.split(".")
+    path = PACKAGE.joinpath(*parts[1:])
+    return path / "__init__.py" if path.is_dir() else path.with_suffix(".py")
 
 
 @cache

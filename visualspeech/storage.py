@@ -357,7 +357,7 @@ def read_model(path: str | Path) -> tuple[dict[str, np.ndarray], dict]:
 
 
 def read_model_of(
-    path: str | Path, what: str, kinds: Collection[str | None], arrays: Collection[str] = ()
+    path: str | Path, what: str, kinds: Collection[str | None], arrays: Collection[str] = (), family: str = ""
 ) -> tuple[dict[str, np.ndarray], dict]:
     """Read a model as :func:`read_model` does, if it is one of the kinds wanted.
 
@@ -366,14 +366,16 @@ def read_model_of(
     what : name of the kind in messages
     kinds : what ``kind`` in its settings may be; None is a model whose settings name no kind
     arrays : arrays that it must hold
+    family : of models; empty: any
 
     Raises
     ------
     StorageError
-        The file is missing, no model, or a model of another kind.
+        The file is missing, no model, or a model of another kind or family.
     """
     tensors, settings = read_model(path)
-    if settings.get("kind") not in kinds or not set(arrays) <= set(tensors):
+    other = settings.get("kind") not in kinds or (family and settings.get("family") != family)
+    if other or not set(arrays) <= set(tensors):
         raise StorageError(f"{path} holds no {what}. Give the file that a run has written for it.")
     return tensors, settings
 

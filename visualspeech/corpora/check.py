@@ -105,7 +105,7 @@ def check_recording(
         info = reading.probe(utterance.media)
         scan = reading.scan_video(utterance.media, utterance.start, utterance.end)
         frames = scan.frames
-        sound = reading.read_audio(utterance.media, RATE, utterance.start, utterance.end)
+        sound = reading.read_audio(utterance.sound, RATE, utterance.start, utterance.end)
         digest = hashlib.sha256(scan.digest.encode() + sound.tobytes()).hexdigest()[:32]
         _check_end(utterance, scan, info, len(sound) / RATE, settings, warn)
         _check_pictures(scan, info, settings, warn)

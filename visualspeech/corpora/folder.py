@@ -5,6 +5,7 @@ import difflib
 import os
 from collections import Counter
 from collections.abc import Mapping
+from dataclasses import replace
 from pathlib import Path
 
 from visualspeech.corpora.records import Utterance, legal_id
@@ -26,8 +27,8 @@ def utterances(corpus: Mapping) -> list[Utterance]:
     corpus : settings. ``root``: the folder. ``table`` (optional): a TSV or CSV file with a head line, inside the root
         or anywhere, one row an utterance: ``file`` (relative to the root) and ``transcript``, and where wanted ``id``,
         ``speaker``, ``split``, ``emotion``, ``start`` and ``end`` (seconds); without a table every video's transcript
-        is the ``.txt`` file of its name. ``speaker`` (optional): name of the speaker, else that of the folder which a
-        recording is in.
+        is the ``.txt`` file of its name. A recording's speaker is that of the table, or the folder that it is in.
+        ``speaker`` (optional): use the recordings of this speaker only; where recordings name none, the speaker's name.
 
     Returns
     -------
@@ -38,10 +39,24 @@ def utterances(corpus: Mapping) -> list[Utterance]:
     SettingError
         ``root`` or ``table`` does not lead to a folder or a file.
     CorpusError
-        There is no recording, or the table cannot be read.
+        There is no recording, none of the speaker, or the table cannot be read.
     """
     root = existing_folder(corpus.get("root"), corpus)
-    return _of_table(root, corpus) if corpus.get("table") else _of_files(root, corpus)
+    found = _of_table(root, corpus) if corpus.get("table") else _of_files(root, corpus)
+    return _of_speaker(found, str(corpus.get("speaker") or ""), str(corpus.get("name") or root.name), root)
+
+
+def _of_speaker(utterances: list[Utterance], wanted: str, name: str, root: Path) -> list[Utterance]:
+    """The utterances of one speaker, or of all; recordings that name no speaker get the wanted one or ``name``."""
+    speakers = sorted({one.speaker for one in utterances})
+    if wanted and speakers != [""]:
+        utterances = [one for one in utterances if one.speaker == wanted]
+        if not utterances:
+            raise CorpusError(
+                f"no recordings of the speaker {wanted!r} in {root.absolute()}; there are "
+                f"{', '.join(one or 'recordings without a speaker' for one in speakers)}. Set `speaker` to one of them."
+            )
+    return [replace(one, speaker=one.speaker or wanted or name) for one in utterances]
 
 
 def existing_folder(root: str | os.PathLike | None, corpus: Mapping, also: str = "") -> Path:
@@ -106,7 +121,7 @@ def _of_files(root: Path, corpus: Mapping) -> list[Utterance]:
         found.append(
             Utterance(
                 id=legal_id("-".join(video.relative_to(root).with_suffix("").parts)),
-                speaker=_speaker(video, root, corpus),
+                speaker=_speaker(video, root),
                 media=str(video),
                 transcript=read_transcript(text) if text else "",
             )
@@ -114,9 +129,9 @@ def _of_files(root: Path, corpus: Mapping) -> list[Utterance]:
     return found
 
 
-def _speaker(video: Path, root: Path, corpus: Mapping) -> str:
-    folder = video.parent.name if video.parent != root else ""
-    return str(corpus.get("speaker") or folder or corpus.get("name") or root.name)
+def _speaker(video: Path, root: Path) -> str:
+    """Name of the folder that a recording is in; empty in the root itself."""
+    return video.parent.name if video.parent != root else ""
 
 
 def _of_table(root: Path, corpus: Mapping) -> list[Utterance]:
@@ -131,7 +146,7 @@ def _of_table(root: Path, corpus: Mapping) -> list[Utterance]:
     several = {file for file, count in counts.items() if count > 1}
     if not rows:
         raise CorpusError(f"the table {path} has no rows. Write one row a recording below its head line.")
-    return [_of_row(row, number, path, root, corpus, several) for number, row in enumerate(rows, start=2)]
+    return [_of_row(row, number, path, root, several) for number, row in enumerate(rows, start=2)]
 
 
 def _rows(path: Path) -> list[dict[str, str]]:
@@ -171,7 +186,7 @@ def _check_names(names: list[str], path: Path) -> None:
             raise CorpusError(f"the table {path} has a column `{name}`; if `{meant[0]}` is meant, rename it.")
 
 
-def _of_row(row: dict[str, str], number: int, path: Path, root: Path, corpus: Mapping, several: set[str]) -> Utterance:
+def _of_row(row: dict[str, str], number: int, path: Path, root: Path, several: set[str]) -> Utterance:
     if not row["file"]:
         raise CorpusError(f"{path}, line {number}: the column `file` is empty. Name the recording, or remove the line.")
     video = root / row["file"]
@@ -182,7 +197,7 @@ def _of_row(row: dict[str, str], number: int, path: Path, root: Path, corpus: Ma
     made = f"{legal_id(stem)}-{number - 1:04d}" if row["file"] in several else legal_id(stem)
     return Utterance(
         id=row.get("id") or made,
-        speaker=row.get("speaker") or _speaker(video, root, corpus),
+        speaker=row.get("speaker") or _speaker(video, root),
         media=str(video),
         transcript=one_line(row["transcript"]),
         split=row.get("split", "").lower(),

@@ -13,11 +13,13 @@ class Utterance:
     ----------
     id : unique in the corpus; letters, digits, ``-``, ``_`` and ``.``
     speaker : name of the speaker
-    media : path of the recording (video with sound)
-    transcript : what is said, as written
+    media : path of the video recording, with or without sound; empty where there is none
+    transcript : what is said, as written; empty where the corpus brings none
     split : ``train``, ``validation``, ``test``, or empty where the corpus brings none
     emotion : label of the corpus, or empty
     start, end : the part of the recording that is this utterance, in seconds; an ``end`` of 0 means to its end
+    audio : path of a sound file of its own, where the sound is not that of ``media``
+    motion : path of the motion capture; empty where there is none
     """
 
     id: str
@@ -28,6 +30,13 @@ class Utterance:
     emotion: str = ""
     start: float = 0.0
     end: float = 0.0
+    audio: str = ""
+    motion: str = ""
+
+    @property
+    def sound(self) -> str:
+        """Path of the file that holds the sound."""
+        return self.audio or self.media
 
 
 def shard_of(utterance_id: str, shards: int) -> int:
@@ -36,5 +45,5 @@ def shard_of(utterance_id: str, shards: int) -> int:
 
 
 def legal_id(text: str) -> str:
-    """An id made of a file name: characters that an id may not have become underscores."""
+    """An id made from a name: characters that an id may not have become underscores."""
     return re.sub(r"^[-.]", "_", re.sub(r"[^A-Za-z0-9_.-]", "_", text)) or "_"

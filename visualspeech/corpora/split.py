@@ -16,14 +16,14 @@ def split_utterances(
 
     A corpus that brings its own split keeps it. Else utterances are ordered by a hash of the seed and their id and cut
     at the fractions, at least one each; so the split does not depend on the order of the corpus, and a corpus that
-    grows changes few assignments.
+    grows changes few assignments. The split is stratified: every speaker is cut by himself.
 
     Raises
     ------
     SettingError
         The fractions are negative, or their sum is not 1.
     CorpusError
-        There are fewer than three utterances, or the corpus's own split is incomplete.
+        A speaker has fewer than three utterances, or the corpus's own split is incomplete.
     """
     utterances = sorted(utterances, key=lambda one: one.id)
     if any(one.split for one in utterances):
@@ -31,10 +31,21 @@ def split_utterances(
     if len(fractions) != 3 or min(fractions) <= 0 or abs(sum(fractions) - 1) > 1e-6:
         shown = ", ".join(f"{name} {share:g}" for name, share in zip(NAMES, fractions, strict=False))
         raise SettingError(f"the shares of `split` are {shown}; give three numbers above 0 whose sum is 1.")
+    speakers: dict[str, list[Utterance]] = {}
+    for one in utterances:
+        speakers.setdefault(one.speaker, []).append(one)
+    parts = [_cut(own, fractions, seed) for own in speakers.values()] or [_cut([], fractions, seed)]
+    place = {name: split for part in parts for name, split in part.items()}
+    return {one.id: place[one.id] for one in utterances}
+
+
+def _cut(utterances: Sequence[Utterance], fractions: Sequence[float], seed: int) -> dict[str, str]:
+    """The split of one speaker's utterances."""
     if len(utterances) < 3:
+        whose = f"the speaker {utterances[0].speaker!r} has" if utterances else "the corpus has"
         raise CorpusError(
-            f"the corpus has {len(utterances)} utterances. Give at least three, one each to train on, to stop by and "
-            "to test on; for useful models some hundreds."
+            f"{whose} {len(utterances)} utterances. Give at least three, one each to train, validate and test on; for "
+            "useful models some hundreds."
         )
     count = len(utterances)
     others = [max(1, round(count * share)) for share in fractions[1:]]
@@ -42,8 +53,7 @@ def split_utterances(
         others[others.index(max(others))] -= 1
     borders = (count - sum(others), count - others[1], count)
     ordered = sorted(utterances, key=lambda one: hashlib.sha256(f"{seed}:{one.id}".encode()).digest())
-    place = {one.id: sum(index >= border for border in borders) for index, one in enumerate(ordered)}
-    return {one.id: NAMES[place[one.id]] for one in utterances}
+    return {one.id: NAMES[sum(index >= border for border in borders)] for index, one in enumerate(ordered)}
 
 
 def _own(utterances: list[Utterance]) -> dict[str, str]:

@@ -1,4 +1,4 @@
-"""Utterances as tables: what the plan wrote, read back as records; and the table of those that were accepted."""
+"""Utterances as tables: those that a corpus lists, their split, and those that were accepted."""
 
 from collections.abc import Iterable, Mapping
 from dataclasses import asdict, fields
@@ -6,7 +6,7 @@ from dataclasses import asdict, fields
 from visualspeech.corpora.records import Utterance
 from visualspeech.storage import read_table, write_table
 
-TEXT = ("id", "speaker", "media", "transcript", "split", "emotion")
+TEXT = ("id", "speaker", "media", "transcript", "split", "emotion", "audio", "motion")
 
 
 def read_utterances(path) -> list[Utterance]:
@@ -14,6 +14,21 @@ def read_utterances(path) -> list[Utterance]:
     table = read_table(path, TEXT)
     known = [field.name for field in fields(Utterance) if field.name in table.columns]
     return [Utterance(**row) for row in table[known].to_dict("records")]
+
+
+def write_utterances(path, rows: Iterable[Mapping]) -> None:
+    """Write utterances given as plain data, without their split."""
+    import pandas
+
+    columns = [field.name for field in fields(Utterance) if field.name != "split"]
+    write_table(path, pandas.DataFrame([dict(row) for row in rows], columns=columns))
+
+
+def write_split(path, split: Mapping[str, str]) -> None:
+    """Write the split of each utterance, sorted by id."""
+    import pandas
+
+    write_table(path, pandas.DataFrame(sorted(split.items()), columns=["id", "split"]))
 
 
 def read_split(path) -> dict[str, str]:

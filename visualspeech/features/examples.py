@@ -1,83 +1,104 @@
-"""The utterances a model learns from: pairs of label indices and appearance, read from the feature files as needed."""
+"""The utterances that a model learns from: input streams and targets, read from their files as needed."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import ExitStack, contextmanager
+from typing import NamedTuple
 
 import numpy as np
 
 from visualspeech.errors import DataError
+from visualspeech.features.streams import Stream
 from visualspeech.storage import ArrayCollection
 
 
-def labels_of(name: str, features: ArrayCollection, parts: ArrayCollection | None = None) -> np.ndarray:
-    """Labels of an utterance: (T, 4) int16, with its label parts (T, 4 + P) where their files are given.
+class Example(NamedTuple):
+    """One utterance: a stream of each input block that the model reads, the target (T, N) float32, its rate in Hz."""
 
-    Raises
-    ------
-    DataError
-        Labels and label parts are of different length.
-    """
-    labels = features.array(name, "labels")
-    if parts is None:
-        return labels
-    further = parts.array(name, "parts")
-    if len(further) != len(labels):
-        raise DataError(
-            f"utterance {name} has {len(labels)} label frames and {len(further)} frames of label parts; "
-            "delete its label parts and run again."
-        )
-    return np.column_stack([labels, further])
+    streams: tuple[Stream, ...]
+    target: np.ndarray
+    rate: float
 
 
 class Examples(Sequence):
-    """A sequence of (labels (T, 4) int16, appearance (T, N) float32), one pair an utterance.
+    """A sequence of :class:`Example`, one an utterance.
 
     Utterances are kept in memory up to a bound and read from their file again beyond it, so that memory does not grow
     with the corpus.
 
     Parameters
     ----------
-    features : the feature files, opened
+    blocks : of each input block the feature files, opened
+    targets : the files of the targets, opened
     ids : the utterances, in the order of the sequence
     cache_bytes : how much is kept in memory
-    parts : files with the label parts (T, P), opened, where labels are to have them as further columns
     """
 
     def __init__(
         self,
-        features: ArrayCollection,
+        blocks: Sequence[ArrayCollection],
+        targets: ArrayCollection,
         ids: Sequence[str],
         cache_bytes: float = 256e6,
-        parts: ArrayCollection | None = None,
     ) -> None:
-        self._features = features
-        self._parts = parts
+        self._blocks = tuple(blocks)
+        self._targets = targets
         self.ids = tuple(ids)
         self._free = cache_bytes
-        self._kept: dict[int, tuple[np.ndarray, np.ndarray]] = {}
+        self._kept: dict[int, Example] = {}
 
     def __len__(self) -> int:
         return len(self.ids)
 
-    def __getitem__(self, number: int) -> tuple[np.ndarray, np.ndarray]:
+    def __getitem__(self, number: int) -> Example:
         """One utterance.
 
         Raises
         ------
         DataError
-            Labels and appearance are of different length.
+            Streams and target differ in length.
         """
         if number in self._kept:
             return self._kept[number]
         name = self.ids[number]
-        labels = labels_of(name, self._features, self._parts)
-        appearance = self._features.array(name, "appearance")
-        if len(labels) != len(appearance):
-            raise DataError(
-                f"utterance {name} has {len(labels)} label frames and {len(appearance)} appearance frames; "
-                "delete its features and run again."
-            )
-        size = labels.nbytes + appearance.nbytes
+        target = self._targets.array(name, "appearance")
+        example = Example(streams_of(name, self._blocks, len(target)), target, self._targets.rate(name))
+        arrays = [array for stream in example.streams for array in stream.arrays().values()]
+        size = sum(array.nbytes for array in (*arrays, target))
         if size <= self._free:
             self._free -= size
-            self._kept[number] = (labels, appearance)
-        return labels, appearance
+            self._kept[number] = example
+        return example
+
+
+def streams_of(name: str, blocks: Sequence[ArrayCollection], frames: int) -> tuple[Stream, ...]:
+    """The streams of an utterance, one a block, checked against its number of frames.
+
+    Raises
+    ------
+    DataError
+        A stream of frames has another length.
+    """
+    streams = tuple(Stream(**block[name]) for block in blocks)
+    for stream in streams:
+        if stream.starts is None and len(stream) != frames:
+            raise DataError(
+                f"utterance {name} has {len(stream)} frames of features and {frames} frames of targets; delete its "
+                "features and targets and run again."
+            )
+    return streams
+
+
+@contextmanager
+def opened_blocks(paths: Sequence[str], count: int) -> Iterator[tuple[ArrayCollection, ...]]:
+    """The feature files of ``count`` input blocks, opened.
+
+    Parameters
+    ----------
+    paths : of all shards of the first block, then of the second, and so on
+    """
+    shards = len(paths) // count if count else 0
+    with ExitStack() as stack:
+        yield tuple(
+            stack.enter_context(ArrayCollection(paths[number * shards : (number + 1) * shards]))
+            for number in range(count)
+        )

@@ -1,38 +1,92 @@
-"""The streams of one utterance at one frame rate: labels and what they are to be mapped to."""
+"""What a model reads of an utterance: streams of class indices or of values, at frames or at segments."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
-from visualspeech.errors import SettingError
-from visualspeech.features.labels import label_indices
-from visualspeech.features.resampling import resample
+from visualspeech.errors import DataError
 
 
 @dataclass(frozen=True)
-class FeatureSettings:
-    """The common frame rate of labels and visual parameters in Hz (Fan 2015, section 5.1: 25); 0 keeps the video's."""
-
-    rate: float = 25.0
-
-    def __post_init__(self) -> None:
-        if self.rate < 0:
-            raise SettingError(f"`features.rate: {self.rate}` must be a frame rate in Hz, or 0 for the video's own.")
-
-
-def feature_streams(
-    rows, visual: Mapping[str, np.ndarray], video_rate: float, phones: Sequence[str], settings: FeatureSettings
-) -> tuple[dict[str, np.ndarray], float]:
-    """Labels (T, 4) and every visual stream of an utterance, resampled to T frames; and their rate in Hz.
+class Layout:
+    """The columns of a block's streams.
 
     Parameters
     ----------
-    rows : alignment of the utterance
-    visual : streams (frames, n) at ``video_rate`` Hz
-    phones : the inventory
+    sizes : number of classes of each categorical column; a model sees them as one-hot vectors side by side
+    dimension : number D of real-valued columns
+    segmental : a row is a segment with a start time, not a frame
     """
-    rate = settings.rate or video_rate
-    resampled = {name: resample(values, video_rate, rate) for name, values in visual.items()}
-    frames = len(next(iter(resampled.values())))
-    return {"labels": label_indices(rows, frames, rate, phones), **resampled}, rate
+
+    sizes: tuple[int, ...] = ()
+    dimension: int = 0
+    segmental: bool = False
+
+    @property
+    def width(self) -> int:
+        """Number of inputs of a model that sees classes as one-hot vectors."""
+        return sum(self.sizes) + self.dimension
+
+
+@dataclass(frozen=True)
+class Stream:
+    """One utterance of a block: categorical, dense or both; T rows are frames, or segments that have starts.
+
+    Parameters
+    ----------
+    index : (T, C) int, class of each categorical column; None where there is none
+    values : (T, D) float32; None where there is none
+    starts : (T,) seconds, ascending, of segments; None where rows are frames
+    """
+
+    index: np.ndarray | None = None
+    values: np.ndarray | None = None
+    starts: np.ndarray | None = None
+
+    def __len__(self) -> int:
+        return len(next(one for one in (self.index, self.values) if one is not None))
+
+    def arrays(self) -> dict[str, np.ndarray]:
+        """The arrays by name, as they are stored."""
+        return {name: values for name, values in vars(self).items() if values is not None}
+
+
+def check_stream(stream: Stream, layout: Layout, name: str) -> None:
+    """Check that a stream has the columns of a layout, classes in range and finite values, and at least one row.
+
+    Raises
+    ------
+    DataError
+        It has not; the message names the block ``name``.
+    """
+    columns = (
+        stream.index.shape[1] if stream.index is not None else 0,
+        stream.values.shape[1] if stream.values is not None else 0,
+    )
+    wanted = (len(layout.sizes), layout.dimension)
+    if columns != wanted or (stream.starts is not None) != layout.segmental:
+        raise DataError(
+            f"input block `{name}`: a stream has {columns[0]} categorical and {columns[1]} real-valued columns, the "
+            f"model reads {wanted[0]} and {wanted[1]}. Delete its features and run again."
+        )
+    if not len(stream):
+        raise DataError(f"input block `{name}`: a stream has no frame; the utterance is empty.")
+    if layout.sizes and (stream.index.min() < 0 or (stream.index.max(axis=0) >= np.array(layout.sizes)).any()):
+        raise DataError(
+            f"input block `{name}`: a class is outside its inventory ({', '.join(map(str, layout.sizes))} classes); "
+            "the features were made for another model. Delete them and run again."
+        )
+    if layout.dimension and not np.isfinite(stream.values).all():
+        raise DataError(f"input block `{name}`: a value is not a finite number. Delete its features and run again.")
+
+
+def joined(streams: Sequence[Stream]) -> tuple[np.ndarray, np.ndarray]:
+    """The columns of several streams side by side: classes (T, C) int64 and values (T, D) float32."""
+    frames = len(streams[0])
+    index = [stream.index for stream in streams if stream.index is not None]
+    values = [stream.values for stream in streams if stream.values is not None]
+    return (
+        np.concatenate(index, axis=1).astype(np.int64) if index else np.zeros((frames, 0), np.int64),
+        np.concatenate(values, axis=1).astype(np.float32) if values else np.zeros((frames, 0), np.float32),
+    )

@@ -11,7 +11,7 @@ from visualspeech.storage import part_of, read_model, write_model
 
 
 def write_checkpoint(path: str | Path, identity: str, state) -> None:
-    """Keep a training's state: weights, their running mean, best weights, optimiser, random numbers, learning curve.
+    """Keep a training's state: weights, their moving average, best weights, optimiser, random numbers, learning curve.
 
     Parameters
     ----------
@@ -47,10 +47,10 @@ def read_checkpoint(path: str | Path, identity: str, state) -> bool:
     try:
         tensors, settings = read_model(path)
     except StorageError:
-        log.warning("%s cannot be read; training starts anew", path)
+        log.warning("%s cannot be read; training starts from the beginning", path)
         return False
     if settings.get("kind") != "checkpoint" or settings.get("identity") != identity:
-        log.info("%s is of other settings, data or code; training starts anew", path)
+        log.info("%s was made with other settings, data or code; training starts from the beginning", path)
         return False
     state.module.load_state_dict(_part(tensors, "weights"))
     state.average.load_state_dict(_part(tensors, "average"))

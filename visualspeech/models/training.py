@@ -1,9 +1,10 @@
-"""Training of a stack by the sum of squared errors (Fan 2015, Eq. 9-11), with early stopping, checkpoint and resume."""
+"""The training loop of every network: any module, batches and objective; early stopping, checkpoint and resume."""
 
 import copy
 import math
 import time
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from contextlib import contextmanager
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
 
@@ -11,126 +12,44 @@ import numpy as np
 import torch
 
 from visualspeech.errors import SettingError
-from visualspeech.features.richer import part_sizes
+from visualspeech.features.examples import Example
 from visualspeech.jobs import log
-from visualspeech.models.batches import batch, batches, content
-from visualspeech.models.blstm import Stack, StackSettings
+from visualspeech.models.batches import Batch, Content, Scaling, batch, batches, content
 from visualspeech.models.checkpoints import read_checkpoint, write_checkpoint
-from visualspeech.models.network import Network, one_thread
+from visualspeech.models.objectives import OBJECTIVES
+from visualspeech.models.task import Task
+from visualspeech.models.training_settings import TrainingSettings
 from visualspeech.provenance import code_digest, digest
 
 PROGRESS_SECONDS = 3.0
 
-#: What the optimiser presets change against the defaults of TrainingSettings.
-PRESETS = {
-    "adam": {},
-    "paper": {
-        "learning_rate": 1e-6,
-        "decay": 1.0,
-        "clip": 0.0,
-        "initial_std": 0.1,
-        "scale_targets": False,
-        "dropout": 0.0,
-        "averaging": 0.0,
-    },
-}
+
+@contextmanager
+def one_thread():
+    """Let torch compute on one thread: small networks run faster so, and sums do not depend on the machine's cores."""
+    before = torch.get_num_threads()
+    torch.set_num_threads(1)
+    try:
+        yield
+    finally:
+        torch.set_num_threads(before)
 
 
 @dataclass(frozen=True)
-class TrainingSettings:
-    """How a network is trained. The defaults are the ``adam`` preset; see :func:`training_settings`.
-
-    Parameters
-    ----------
-    optimiser : ``adam``, or ``paper``: gradient descent with momentum (Eq. 11)
-    learning_rate : step size; for ``paper`` it multiplies the gradient of a batch's summed error, for ``adam`` scale
-        does not matter
-    momentum : m of Eq. 11; Adam's decay of the mean gradient
-    batch : utterances an update
-    max_epochs : epochs at most
-    patience : epochs without a better validation error after which training ends (R of section 4.2)
-    min_improvement : smallest relative fall of the validation error that counts as better
-    decay : factor on the learning rate after ``decay_patience`` epochs without a better validation error; 1: none
-    decay_patience : see ``decay``
-    clip : limit of the gradient's norm (of the mean error a frame); 0: none
-    initial_std : standard deviation of the Gaussian that all weights start from; 0: uniform, by layer width (torch's)
-    scale_targets : learn (appearance - training mean) / one global standard deviation in place of raw appearance
-    dropout : share of hidden values set to zero in training, after each hidden layer
-    weight_decay : pull of the weights to zero, apart from the gradient (Loshchilov and Hutter 2019)
-    averaging : the network that is judged and kept has the running mean of the weights over updates, each mean this
-        share of the last (in the first updates, a smaller share); 0: the weights themselves
-    seed : of initial weights, order and dropout
-    """
-
-    optimiser: str = "adam"
-    learning_rate: float = 2e-3
-    momentum: float = 0.9
-    batch: int = 8
-    max_epochs: int = 200
-    patience: int = 8
-    min_improvement: float = 1e-4
-    decay: float = 0.5
-    decay_patience: int = 4
-    clip: float = 1.0
-    initial_std: float = 0.0
-    scale_targets: bool = True
-    dropout: float = 0.3
-    weight_decay: float = 0.0
-    averaging: float = 0.99
-    seed: int = 1
-
-    def __post_init__(self) -> None:
-        ranges = {
-            "optimiser": (self.optimiser in PRESETS, f"one of {', '.join(PRESETS)}"),
-            "learning_rate": (0 < self.learning_rate <= 1, "above 0 and at most 1"),
-            "momentum": (0 <= self.momentum < 1, "at least 0 and below 1"),
-            "batch": (self.batch >= 1, "at least 1"),
-            "max_epochs": (self.max_epochs >= 1, "at least 1"),
-            "patience": (self.patience >= 1, "at least 1"),
-            "min_improvement": (0 <= self.min_improvement < 1, "at least 0 and below 1"),
-            "decay": (0 < self.decay <= 1, "above 0 and at most 1"),
-            "decay_patience": (self.decay_patience >= 1, "at least 1"),
-            "clip": (self.clip >= 0, "at least 0"),
-            "initial_std": (self.initial_std >= 0, "at least 0"),
-            "dropout": (0 <= self.dropout < 1, "at least 0 and below 1"),
-            "weight_decay": (self.weight_decay >= 0, "at least 0"),
-            "averaging": (0 <= self.averaging < 1, "at least 0 and below 1"),
-        }
-        for name, (good, rule) in ranges.items():
-            if not good:
-                raise SettingError(f"`training.{name}: {getattr(self, name)}` must be {rule}.")
-
-
-def training_settings(optimiser: str = "adam", **changes) -> TrainingSettings:
-    """Settings of a preset (``adam`` or ``paper``), with changes.
-
-    Raises
-    ------
-    SettingError
-        The preset or a setting is unknown, or a value is out of range.
-    """
-    if optimiser not in PRESETS:
-        raise SettingError(f"`training.optimiser: {optimiser}` must be one of {', '.join(PRESETS)}.")
-    unknown = sorted(set(changes) - set(TrainingSettings.__dataclass_fields__))
-    if unknown:
-        known = ", ".join(TrainingSettings.__dataclass_fields__)
-        raise SettingError(f"unknown setting `training.{unknown[0]}`. Known: {known}.")
-    return TrainingSettings(**{"optimiser": optimiser, **PRESETS[optimiser], **changes})
-
-
-@dataclass(frozen=True)
-class Training:
+class Trained:
     """A finished training.
 
     Parameters
     ----------
-    network : with the weights of the best epoch
-    curve : a row an epoch: (epoch, train, validation, seconds); errors are E of Eq. 10 a frame, in squared units of the
-        appearance; ``train`` is taken during the epoch (with dropout), ``validation`` after it
-    best_epoch : the epoch of the lowest validation error
+    module : with the weights of the best epoch
+    scaling : from the module's outputs to targets
+    curve : a row an epoch: (epoch, train, validation, seconds); the objective in units of the targets (``sse``: E of
+        Fan 2015, Eq. 10, per frame); ``train`` is taken during the epoch (with dropout), ``validation`` after it
+    best_epoch : the epoch whose weights are kept
     """
 
-    network: Network
+    module: torch.nn.Module
+    scaling: Scaling
     curve: tuple[tuple[int, float, float, float], ...]
     best_epoch: int
 
@@ -141,26 +60,12 @@ class Training:
         return pandas.DataFrame(list(self.curve), columns=["epoch", "train", "validation", "seconds"])
 
 
-def sum_of_squared_errors(predicted: torch.Tensor, truth: torch.Tensor) -> torch.Tensor:
-    """E of Eq. 9 and 10: half the squared differences, summed over dimensions, frames and sequences.
-
-    Frames that only fill up a batch must be equal in both; the stack and the batches make them zero.
-    """
-    return 0.5 * torch.sum((predicted - truth) ** 2)
-
-
-def _row(state: "_State") -> str:
-    _, error, validation, seconds = state.curve[-1]
-    best = f"best so far epoch {state.best_epoch}"
-    return f"error a frame {error:.5g}, validation {validation:.5g} ({best}), {seconds:.1f} s an epoch"
-
-
 @dataclass
 class _State:
-    """All that an interrupted training needs to go on as if nothing had happened."""
+    """All that an interrupted training needs to continue as if nothing had happened."""
 
-    module: Stack
-    average: Stack
+    module: torch.nn.Module
+    average: torch.nn.Module
     optimiser: torch.optim.Optimizer
     best: dict[str, torch.Tensor]
     best_error: float = math.inf
@@ -170,55 +75,61 @@ class _State:
     curve: list[tuple[int, float, float, float]] = field(default_factory=list)
 
 
+@dataclass(frozen=True)
+class _Run:
+    """What stays the same over the epochs of a training."""
+
+    name: str
+    settings: TrainingSettings
+    training: Sequence[Example]
+    validation: Sequence[Example]
+    known: tuple[Content, Content]
+    scaling: Scaling
+
+    @property
+    def objective(self):
+        return OBJECTIVES[self.settings.objective]
+
+
 def train(
-    stack: StackSettings,
-    phones: Sequence[str],
-    training: Sequence[tuple[np.ndarray, np.ndarray]],
-    validation: Sequence[tuple[np.ndarray, np.ndarray]],
-    rate: float,
-    settings: TrainingSettings | None = None,
-    checkpoint: str | Path | None = None,
+    build: Callable[[int], torch.nn.Module],
+    task: Task,
+    settings: TrainingSettings,
+    identity: Sequence,
     checkpoint_seconds: float = 10.0,
-    aam: str = "",
-    parts: Sequence[str] = (),
-) -> Training:
-    """Train a network on utterances, ending by the validation error, with the weights of the best epoch.
+) -> Trained:
+    """Train a module on utterances with early stopping by the validation error; the weights of the best epoch are kept.
 
     Runs on one thread. The same data and settings give the same bytes, interrupted or not.
 
     Parameters
     ----------
-    stack : hidden layers
-    phones : inventory, K entries
-    training, validation : utterances as (labels (T, 4), appearance (T, N)); read one batch at a time
-    rate : frame rate in Hz, kept in the network's file
-    checkpoint : file that the state is kept in after an epoch, at most every ``checkpoint_seconds``; if it is there and
-        was made by this code from these settings and data, training goes on from it. The caller removes it once the
-        network is saved.
-    aam : digest of the appearance model, kept in the network's file
-    parts : what the labels say beyond phones and states (:data:`visualspeech.features.richer.PARTS`), a column each
+    build : number N of outputs -> module, whose ``forward`` takes a :class:`~visualspeech.models.batches.Batch` and
+        returns (B, T, N), zero in padded frames; called once, after the seed is set
+    task : utterances, blocks, and the file that the state is kept in after an epoch, at most every
+        ``checkpoint_seconds``. If it is there and was made by this code from these settings and data, training resumes
+        from it. The caller removes it once the model is saved
+    identity : what makes the module what it is beside settings and data: its own settings and the digest of its code
 
     Raises
     ------
     DataError
-        There is nothing to learn from, or the data does not fit the inventory.
+        There is nothing to learn from, or the data does not fit the blocks.
     SettingError
         The error is no longer a finite number.
     """
-    settings = settings or TrainingSettings()
-    sizes = part_sizes(parts)
-    known = [
-        content(examples, len(phones), name, sizes)
-        for examples, name in ((training, "training"), (validation, "validation"))
-    ]
-    mean = known[0].mean if settings.scale_targets else np.zeros_like(known[0].mean)
-    scale = known[0].deviation if settings.scale_targets else 1.0
-    identity = digest(
+    known = tuple(
+        content(examples, task.blocks, name)
+        for examples, name in ((task.training, "training"), (task.validation, "validation"))
+    )
+    scaling = Scaling.of(known[0], settings.scaling)
+    run = _Run(task.row.name, settings, task.training, task.validation, known, scaling)
+    layouts = [asdict(block.layout) for block in task.blocks.values()]
+    whole = digest(
         [
-            asdict(stack),
+            list(identity),
             asdict(settings),
-            list(phones),
-            list(parts),
+            layouts,
             [part.digest for part in known],
             torch.__version__,
             code_digest(__file__),
@@ -226,40 +137,37 @@ def train(
     )
     with one_thread(), torch.random.fork_rng(devices=[]):
         torch.manual_seed(settings.seed)
-        state = _start(stack, len(phones), len(mean), settings, sizes)
-        if checkpoint is not None and read_checkpoint(checkpoint, identity, state):
-            log.info("%s: going on after epoch %d", stack.name, len(state.curve))
-        saved = told = time.monotonic()
+        state = _start(build(len(scaling.mean)), settings)
+        if task.checkpoint is not None and read_checkpoint(task.checkpoint, whole, state):
+            log.info("%s: resumed after epoch %d", run.name, len(state.curve))
+        saved = reported = time.monotonic()
         while not _finished(state, settings):
-            _epoch(state, settings, (training, validation), known, mean, scale, stack.name)
-            if time.monotonic() - told >= PROGRESS_SECONDS or _finished(state, settings):
-                told = time.monotonic()
-                log.info(
-                    "%s: epoch %d of at most %d, %s", stack.name, len(state.curve), settings.max_epochs, _row(state)
-                )
-            if checkpoint is not None and time.monotonic() - saved >= checkpoint_seconds:
-                write_checkpoint(checkpoint, identity, state)
+            _epoch(state, run)
+            if time.monotonic() - reported >= PROGRESS_SECONDS or _finished(state, settings):
+                reported = time.monotonic()
+                log.info("%s: epoch %d of at most %d, %s", run.name, len(state.curve), settings.max_epochs, _row(state))
+            if task.checkpoint is not None and time.monotonic() - saved >= checkpoint_seconds:
+                write_checkpoint(task.checkpoint, whole, state)
                 saved = time.monotonic()
-        if checkpoint is not None:
-            write_checkpoint(checkpoint, identity, state)
-    network = Network(
-        stack=stack,
-        phones=tuple(phones),
-        weights={name: values.numpy().copy() for name, values in state.best.items()},
-        mean=mean.astype(np.float32),
-        scale=scale,
-        rate=rate,
-        aam=aam,
-        about={"training": asdict(settings), "epochs": len(state.curve), "best_epoch": state.best_epoch},
-        parts=tuple(parts),
-    )
-    return Training(network, tuple(state.curve), state.best_epoch)
+        if task.checkpoint is not None:
+            write_checkpoint(task.checkpoint, whole, state)
+    state.average.load_state_dict(state.best)
+    return Trained(state.average.eval(), scaling, tuple(state.curve), state.best_epoch)
 
 
-def _start(
-    stack: StackSettings, phones: int, outputs: int, settings: TrainingSettings, parts: Sequence[int] = ()
-) -> _State:
-    module = Stack(stack, phones, outputs, settings.dropout, parts)
+def remove_checkpoint(path: Path | None) -> None:
+    """Remove the checkpoint of a training whose model is saved."""
+    if path is not None:
+        path.unlink(missing_ok=True)
+
+
+def _row(state: _State) -> str:
+    _, error, validation, seconds = state.curve[-1]
+    best = f"best so far in epoch {state.best_epoch}"
+    return f"training error {error:.5g}, validation error {validation:.5g} ({best}), {seconds:.1f} s per epoch"
+
+
+def _start(module: torch.nn.Module, settings: TrainingSettings) -> _State:
     if settings.initial_std:
         for weights in module.parameters():
             torch.nn.init.normal_(weights, std=settings.initial_std)
@@ -281,15 +189,15 @@ def _start(
     return _State(module, copy.deepcopy(module).eval(), optimiser, _copy(module))
 
 
-def _copy(module: Stack) -> dict[str, torch.Tensor]:
+def _copy(module: torch.nn.Module) -> dict[str, torch.Tensor]:
     return {name: values.detach().clone() for name, values in module.state_dict().items()}
 
 
-def _average(state: _State, share: float) -> None:
-    # The first means would be mostly the random start: let them forget faster.
-    share = min(share, state.updates / (state.updates + 9)) if share else 0.0
+def _average(state: _State, decay: float) -> None:
+    # The first averages would be mostly the random start: let them forget faster.
+    decay = min(decay, state.updates / (state.updates + 9)) if decay else 0.0
     with torch.no_grad():
-        torch._foreach_lerp_(list(state.average.parameters()), list(state.module.parameters()), 1 - share)
+        torch._foreach_lerp_(list(state.average.parameters()), list(state.module.parameters()), 1 - decay)
 
 
 def _finished(state: _State, settings: TrainingSettings) -> bool:
@@ -297,55 +205,69 @@ def _finished(state: _State, settings: TrainingSettings) -> bool:
     return epochs >= settings.max_epochs or epochs - state.best_epoch >= settings.patience
 
 
-def _epoch(state: _State, settings: TrainingSettings, data, known, mean, scale, name: str) -> None:
+def _epoch(state: _State, run: _Run) -> None:
     start = time.monotonic()
-    number = len(state.curve) + 1
-    order = batches(known[0].lengths, settings.batch, torch.randperm(len(data[0])).numpy())
-    errors = 0.0
-    state.module.train()
-    for chosen in torch.randperm(len(order)).tolist():
-        labels, lengths, targets = batch(data[0], order[chosen], mean, scale)
-        error = sum_of_squared_errors(state.module(labels, lengths), targets)
-        # Adam does not see the error's scale; the mean over frames makes `clip` independent of the batch.
-        objective = error / lengths.sum() if settings.optimiser == "adam" else error
-        state.optimiser.zero_grad()
-        objective.backward()
-        if settings.clip:
-            torch.nn.utils.clip_grad_norm_(state.module.parameters(), settings.clip)
-        state.optimiser.step()
-        state.updates += 1
-        _average(state, settings.averaging)
-        errors += error.item()
-    unit = scale**2
-    row_train = errors * unit / known[0].lengths.sum()
-    row_validation = validation_error(state.average, data[1], known[1].lengths, settings.batch, mean, scale) * unit
-    if not (math.isfinite(row_train) and math.isfinite(row_validation)):
+    number, settings = len(state.curve) + 1, run.settings
+    unit = run.scaling.unit(run.objective.power)
+    error = run.objective.value(_updates(state, run), int(run.known[0].lengths.sum())) * unit
+    validation = validation_error(state.average, run.validation, run.known[1].lengths, settings, run.scaling) * unit
+    if not (math.isfinite(error) and math.isfinite(validation)):
         raise SettingError(
-            f"the training of {name} diverged in epoch {number}: its error is no longer a number. "
+            f"the training of {run.name} diverged in epoch {number}: its error is not a finite number. "
             f"Lower `training.learning_rate` (now {state.optimiser.param_groups[0]['lr']:g})."
         )
-    if row_validation < state.best_error * (1 - settings.min_improvement):
-        state.best, state.best_error, state.best_epoch = _copy(state.average), row_validation, number
+    # Of the value's size, whatever its sign.
+    if validation < state.best_error - settings.min_improvement * abs(state.best_error) or not state.best_epoch:
+        state.best, state.best_error, state.best_epoch = _copy(state.average), validation, number
         state.since_decay = 0
     else:
         state.since_decay += 1
-        if state.since_decay >= settings.decay_patience:
+        if state.since_decay >= settings.lr_patience:
             state.since_decay = 0
             for group in state.optimiser.param_groups:
-                group["lr"] *= settings.decay
-    seconds = time.monotonic() - start
-    state.curve.append((number, float(row_train), float(row_validation), seconds))
+                group["lr"] *= settings.lr_decay
+    state.curve.append((number, float(error), float(validation), time.monotonic() - start))
 
 
-def validation_error(module: Stack, examples, lengths: np.ndarray, size: int, mean: np.ndarray, scale: float) -> float:
-    """E a frame (Eq. 10) of a stack on utterances, in units of the scaled targets."""
+def _updates(state: _State, run: _Run) -> np.ndarray:
+    """One update a batch of the training utterances, in random order; the sums of the objective's statistics."""
+    settings, objective = run.settings, run.objective
+    order = batches(run.known[0].lengths, settings, torch.randperm(len(run.training)).numpy())
+    sums = 0.0
+    state.module.train()
+    for chosen in torch.randperm(len(order)).tolist():
+        given = batch(run.training, order[chosen], run.scaling)
+        predicted = state.module(given)
+        loss = objective.loss(predicted, given.targets, given.lengths)
+        # Adam does not see the loss's scale; the mean over frames makes `max_grad_norm` independent of the batch.
+        per_frame = objective.additive and settings.optimiser == "adam"
+        state.optimiser.zero_grad()
+        (loss / given.lengths.sum() if per_frame else loss).backward()
+        if settings.max_grad_norm:
+            torch.nn.utils.clip_grad_norm_(state.module.parameters(), settings.max_grad_norm)
+        state.optimiser.step()
+        state.updates += 1
+        _average(state, settings.ema_decay)
+        sums = sums + objective.statistics(loss.detach(), predicted.detach(), given.targets, given.lengths)
+    return sums
+
+
+def validation_error(
+    module: torch.nn.Module,
+    examples: Sequence[Example],
+    lengths: np.ndarray,
+    settings: TrainingSettings,
+    scaling: Scaling,
+) -> float:
+    """The objective of a module on utterances, in units of the scaled targets."""
+    objective = OBJECTIVES[settings.objective]
     module.eval()
+    rows = []
     with torch.inference_mode():
-        errors = [
-            sum_of_squared_errors(module(labels, counts), targets).item()
-            for labels, counts, targets in (
-                batch(examples, numbers, mean, scale)
-                for numbers in batches(lengths, max(size, 16), np.arange(len(lengths)))
-            )
-        ]
-    return math.fsum(errors) / int(lengths.sum())
+        for numbers in batches(lengths, settings, np.arange(len(lengths)), least=16):
+            given: Batch = batch(examples, numbers, scaling)
+            predicted = module(given)
+            loss = objective.loss(predicted, given.targets, given.lengths)
+            rows.append(objective.statistics(loss, predicted, given.targets, given.lengths))
+    sums = np.array([math.fsum(column) for column in zip(*rows, strict=True)])
+    return objective.value(sums, int(lengths.sum()))

@@ -1,18 +1,20 @@
 rule align_speech:
     input:
         # Nothing heavy starts before every recording is checked; the check's time stamp is no reason to align again.
-        checked=ancient(f"{CORPUS}/check/findings.tsv"),
-        utterances=f"{CORPUS}/corpus/utterances/{{shard}}.tsv",
-        audio=f"{CORPUS}/audio/{{shard}}.h5",
+        checked=ancient("<corpus>/check/findings.tsv"),
+        utterances="<corpus>/corpus/utterances/{shard}.tsv",
+        audio="<corpus>/audio/{shard}.h5",
     output:
-        table=f"{CORPUS}/alignment/{{shard}}.tsv",
-        findings=f"{CORPUS}/alignment/{{shard}}.findings.tsv",
+        table="<corpus>/alignment/{shard}.tsv",
+        findings="<corpus>/alignment/{shard}.findings.tsv",
     log:
-        f"{CORPUS}/logs/align_speech/{{shard}}.log",
+        "<corpus>/logs/align_speech/{shard}.log",
     benchmark:
-        f"{CORPUS}/benchmarks/align_speech/{{shard}}.tsv"
-    conda:
-        "../envs/visualspeech.yaml"
+        "<corpus>/benchmarks/align_speech/{shard}.tsv"
+    threads: 1
+    resources:
+        mem_mb=1000,
+        disk_mb=200,
     params:
         settings=SETTINGS["alignment"],
         code=code("align_speech.py"),
@@ -22,19 +24,34 @@ rule align_speech:
 
 rule export_alignment:
     input:
-        tables=shards(f"{CORPUS}/alignment/{{shard}}.tsv"),
-        audio=shards(f"{CORPUS}/audio/{{shard}}.h5"),
+        tables=shards("<corpus>/alignment/{shard}.tsv"),
+        audio=shards("<corpus>/audio/{shard}.h5"),
     output:
-        textgrid=directory(f"{CORPUS}/alignment/textgrid"),
-        htk=directory(f"{CORPUS}/alignment/htk"),
-        hts=directory(f"{CORPUS}/alignment/hts"),
+        textgrid=directory("<corpus>/alignment/textgrid"),
+        htk=directory("<corpus>/alignment/htk"),
+        hts=directory("<corpus>/alignment/hts"),
     log:
-        f"{CORPUS}/logs/export_alignment.log",
+        "<corpus>/logs/export_alignment.log",
     benchmark:
-        f"{CORPUS}/benchmarks/export_alignment.tsv"
-    conda:
-        "../envs/visualspeech.yaml"
+        "<corpus>/benchmarks/export_alignment.tsv"
+    threads: 1
+    resources:
+        mem_mb=500,
+        disk_mb=2000,
     params:
         code=code("export_alignment.py"),
     script:
         "../scripts/export_alignment.py"
+
+
+rule list_phones:
+    input:
+        shards("<corpus>/alignment/{shard}.tsv"),
+    output:
+        "<corpus>/phones.tsv",
+    log:
+        "<corpus>/logs/list_phones.log",
+    params:
+        code=code("list_phones.py"),
+    script:
+        "../scripts/list_phones.py"

@@ -1,17 +1,43 @@
+rule list_utterances:
+    output:
+        "<corpus>/corpus/utterances/{shard}.tsv",
+    log:
+        "<corpus>/logs/list_utterances/{shard}.log",
+    params:
+        rows=lambda wildcards: PLAN.corpora[wildcards.corpus].rows(wildcards.shard),
+        code=code("list_utterances.py"),
+    script:
+        "../scripts/list_utterances.py"
+
+
+rule write_split:
+    output:
+        "<corpus>/corpus/split.tsv",
+    log:
+        "<corpus>/logs/write_split.log",
+    params:
+        split=lambda wildcards: PLAN.corpora[wildcards.corpus].split,
+        code=code("write_split.py"),
+    script:
+        "../scripts/write_split.py"
+
+
 rule check_recordings:
     input:
-        utterances=f"{CORPUS}/corpus/utterances/{{shard}}.tsv",
+        utterances="<corpus>/corpus/utterances/{shard}.tsv",
         recordings=recordings,
     output:
-        findings=f"{CORPUS}/check/{{shard}}.tsv",
-        digests=f"{CORPUS}/check/{{shard}}.digests.tsv",
-        audio=f"{CORPUS}/audio/{{shard}}.h5",
+        findings="<corpus>/check/{shard}.tsv",
+        digests="<corpus>/check/{shard}.digests.tsv",
+        audio="<corpus>/audio/{shard}.h5",
     log:
-        f"{CORPUS}/logs/check_recordings/{{shard}}.log",
+        "<corpus>/logs/check_recordings/{shard}.log",
     benchmark:
-        f"{CORPUS}/benchmarks/check_recordings/{{shard}}.tsv"
-    conda:
-        "../envs/visualspeech.yaml"
+        "<corpus>/benchmarks/check_recordings/{shard}.tsv"
+    threads: 1
+    resources:
+        mem_mb=1000,
+        disk_mb=1000,
     params:
         settings=SETTINGS["check"],
         code=code("check_recordings.py"),
@@ -21,17 +47,13 @@ rule check_recordings:
 
 rule gather_findings:
     input:
-        utterances=shards(f"{CORPUS}/corpus/utterances/{{shard}}.tsv"),
-        findings=shards(f"{CORPUS}/check/{{shard}}.tsv"),
-        digests=shards(f"{CORPUS}/check/{{shard}}.digests.tsv"),
+        utterances=shards("<corpus>/corpus/utterances/{shard}.tsv"),
+        findings=shards("<corpus>/check/{shard}.tsv"),
+        digests=shards("<corpus>/check/{shard}.digests.tsv"),
     output:
-        f"{CORPUS}/check/findings.tsv",
+        "<corpus>/check/findings.tsv",
     log:
-        f"{CORPUS}/logs/gather_findings.log",
-    benchmark:
-        f"{CORPUS}/benchmarks/gather_findings.tsv"
-    conda:
-        "../envs/visualspeech.yaml"
+        "<corpus>/logs/gather_findings.log",
     params:
         limit=SETTINGS["max_rejected_share"],
         code=code("gather_findings.py"),

@@ -1,55 +1,69 @@
-rule list_phones:
+rule build_targets:
     input:
-        shards(f"{CORPUS}/alignment/{{shard}}.tsv"),
+        parameters=lambda wildcards: filled(
+            "<coding>/parameters/{shard}.h5", wildcards, coding=system_of(wildcards)["coding"]
+        ),
     output:
-        f"{RUN}/phones.tsv",
+        "<system>/targets/{shard}.h5",
     log:
-        f"{RUN}/logs/list_phones.log",
+        "<system>/logs/build_targets/{shard}.log",
     benchmark:
-        f"{RUN}/benchmarks/list_phones.tsv"
-    conda:
-        "../envs/visualspeech.yaml"
+        "<system>/benchmarks/build_targets/{shard}.tsv"
+    threads: 1
+    resources:
+        mem_mb=500,
+        disk_mb=500,
     params:
-        code=code("list_phones.py"),
+        rate=lambda wildcards: system_of(wildcards)["rate"],
+        code=code("build_targets.py"),
     script:
-        "../scripts/list_phones.py"
+        "../scripts/build_targets.py"
 
 
-rule build_features:
+rule fit_block:
     input:
-        phones=f"{RUN}/phones.tsv",
-        alignment=f"{CORPUS}/alignment/{{shard}}.tsv",
-        parameters=f"{RUN}/aam/parameters/{{shard}}.h5",
+        utterances="<corpus>/utterances.tsv",
+        phones="<corpus>/phones.tsv",
+        alignment=shards("<corpus>/alignment/{shard}.tsv"),
+        targets=shards("<system>/targets/{shard}.h5"),
     output:
-        f"{RUN}/features/{{shard}}.h5",
+        "<system>/features/{block}/block.safetensors",
     log:
-        f"{RUN}/logs/build_features/{{shard}}.log",
+        "<system>/logs/fit_block/{block}.log",
     benchmark:
-        f"{RUN}/benchmarks/build_features/{{shard}}.tsv"
-    conda:
-        "../envs/visualspeech.yaml"
+        "<system>/benchmarks/fit_block/{block}.tsv"
+    threads: 1
+    resources:
+        mem_mb=500,
+        disk_mb=100,
     params:
-        settings=SETTINGS["features"],
-        code=code("build_features.py"),
+        kind=lambda wildcards: system_of(wildcards)["blocks"][wildcards.block]["kind"],
+        settings=lambda wildcards: system_of(wildcards)["blocks"][wildcards.block]["settings"],
+        code=lambda wildcards: code(
+            "fit_block.py", block_module(system_of(wildcards)["blocks"][wildcards.block]["kind"])
+        ),
     script:
-        "../scripts/build_features.py"
+        "../scripts/fit_block.py"
 
 
-# Apart from the features, so that plain networks do not care.
-rule enrich_labels:
+rule encode_block:
     input:
-        alignment=f"{CORPUS}/alignment/{{shard}}.tsv",
-        features=f"{RUN}/features/{{shard}}.h5",
+        block="<system>/features/{block}/block.safetensors",
+        alignment="<corpus>/alignment/{shard}.tsv",
+        targets="<system>/targets/{shard}.h5",
     output:
-        f"{RUN}/label_parts/{{shard}}.h5",
+        "<system>/features/{block}/{shard}.h5",
     log:
-        f"{RUN}/logs/enrich_labels/{{shard}}.log",
+        "<system>/logs/encode_block/{block}/{shard}.log",
     benchmark:
-        f"{RUN}/benchmarks/enrich_labels/{{shard}}.tsv"
-    conda:
-        "../envs/visualspeech.yaml"
+        "<system>/benchmarks/encode_block/{block}/{shard}.tsv"
+    threads: 1
+    resources:
+        mem_mb=500,
+        disk_mb=200,
     params:
-        parts=LABEL_PARTS,
-        code=code("enrich_labels.py"),
+        code=lambda wildcards: code(
+            "encode_block.py", block_module(system_of(wildcards)["blocks"][wildcards.block]["kind"])
+        ),
     script:
-        "../scripts/enrich_labels.py"
+        "../scripts/encode_block.py"

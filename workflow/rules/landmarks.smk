@@ -1,18 +1,20 @@
 rule track_landmarks:
     input:
-        checked=ancient(f"{CORPUS}/check/findings.tsv"),
-        utterances=f"{CORPUS}/corpus/utterances/{{shard}}.tsv",
-        audio=f"{CORPUS}/audio/{{shard}}.h5",
+        checked=ancient("<corpus>/check/findings.tsv"),
+        utterances="<corpus>/corpus/utterances/{shard}.tsv",
+        audio="<corpus>/audio/{shard}.h5",
         recordings=recordings,
     output:
-        landmarks=f"{CORPUS}/landmarks/{{shard}}.h5",
-        findings=f"{CORPUS}/landmarks/{{shard}}.findings.tsv",
+        landmarks="<corpus>/landmarks/{shard}.h5",
+        findings="<corpus>/landmarks/{shard}.findings.tsv",
     log:
-        f"{CORPUS}/logs/track_landmarks/{{shard}}.log",
+        "<corpus>/logs/track_landmarks/{shard}.log",
     benchmark:
-        f"{CORPUS}/benchmarks/track_landmarks/{{shard}}.tsv"
-    conda:
-        "../envs/visualspeech.yaml"
+        "<corpus>/benchmarks/track_landmarks/{shard}.tsv"
+    threads: 1
+    resources:
+        mem_mb=1500,
+        disk_mb=500,
     params:
         landmarks=SETTINGS["landmarks"],
         screening=SETTINGS["screening"],

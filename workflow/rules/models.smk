@@ -1,90 +1,83 @@
-rule train_network:
+# One rule trains every model and one predicts: the row of the tables says how.
+TRAINED = one_of(row.name for name in SETTINGS["systems"] for row in rows_of(name, ("model", "baseline")))
+FLOORS = one_of(row.name for name in SETTINGS["systems"] for row in rows_of(name, ("floor",)))
+
+
+rule train_model:
     input:
-        utterances=f"{RUN}/utterances.tsv",
-        phones=f"{RUN}/phones.tsv",
-        aam=f"{RUN}/aam/model.safetensors",
-        features=shards(f"{RUN}/features/{{shard}}.h5"),
-        parts=parts_of,
+        utterances="<corpus>/utterances.tsv",
+        coding=of_coding("model.safetensors"),
+        targets=shards("<system>/targets/{shard}.h5"),
+        blocks=lambda wildcards: filled(
+            "<system>/features/{block}/block.safetensors", wildcards, block=row_of(wildcards).reads
+        ),
+        features=features_of,
+        # The model that it is made from, where the settings say `from`.
+        parent=lambda wildcards: filled(
+            "<system>/models/{parent}/model.safetensors", wildcards, parent=list(filter(None, [row_of(wildcards).parent]))
+        ),
     output:
-        network=f"{RUN}/models/{{model}}/network.safetensors",
-        curve=f"{RUN}/models/{{model}}/learning_curve.tsv",
+        model="<model>/model.safetensors",
+        curve="<model>/learning_curve.tsv",
     log:
-        f"{RUN}/logs/train_network/{{model}}.log",
+        "<system>/logs/train_model/{model}.log",
     benchmark:
-        f"{RUN}/benchmarks/train_network/{{model}}.tsv"
+        "<system>/benchmarks/train_model/{model}.tsv"
+    threads: 1
+    resources:
+        mem_mb=2000,
+        disk_mb=200,
     wildcard_constraints:
-        model="|".join(MODELS),
-    conda:
-        "../envs/visualspeech.yaml"
+        model=TRAINED,
     params:
-        # Not an output: it must outlive a killed job, whose outputs are removed before it runs again.
-        checkpoint=f"{RUN}/models/{{model}}/checkpoint.safetensors",
-        settings=SETTINGS["training"],
-        b_nodes=SETTINGS["networks"].get("b_nodes", "direction"),
-        seed=lambda wildcards: network_seed(wildcards.model),
-        parts=lambda wildcards: LABEL_PARTS if parse_name(wildcards.model).rich else [],
-        code=code("train_network.py"),
+        row=lambda wildcards: row_of(wildcards).plain(),
+        module=lambda wildcards: FAMILIES[row_of(wildcards).family].module,
+        code=model_code("train_model.py"),
     script:
-        "../scripts/train_network.py"
+        "../scripts/train_model.py"
 
 
-rule predict_network:
+rule predict_model:
     input:
-        utterances=f"{RUN}/utterances.tsv",
-        network=f"{RUN}/models/{{model}}/network.safetensors",
-        features=shards(f"{RUN}/features/{{shard}}.h5"),
-        parts=parts_of,
+        utterances="<corpus>/utterances.tsv",
+        model="<model>/model.safetensors",
+        targets=shards("<system>/targets/{shard}.h5"),
+        features=features_of,
     output:
-        f"{RUN}/models/{{model}}/predictions.h5",
+        "<model>/predictions.h5",
     log:
-        f"{RUN}/logs/predict_network/{{model}}.log",
+        "<system>/logs/predict_model/{model}.log",
     benchmark:
-        f"{RUN}/benchmarks/predict_network/{{model}}.tsv"
+        "<system>/benchmarks/predict_model/{model}.tsv"
+    threads: 1
+    resources:
+        mem_mb=2000,
+        disk_mb=200,
     wildcard_constraints:
-        model="|".join(MODELS),
-    conda:
-        "../envs/visualspeech.yaml"
+        model=TRAINED,
     params:
-        code=code("predict_network.py"),
+        reads=lambda wildcards: len(row_of(wildcards).reads),
+        module=lambda wildcards: FAMILIES[row_of(wildcards).family].module,
+        code=model_code("predict_model.py"),
     script:
-        "../scripts/predict_network.py"
+        "../scripts/predict_model.py"
 
 
-rule predict_baseline:
+rule reconstruct_targets:
     input:
-        utterances=f"{RUN}/utterances.tsv",
-        phones=f"{RUN}/phones.tsv",
-        features=shards(f"{RUN}/features/{{shard}}.h5"),
+        utterances="<corpus>/utterances.tsv",
+        targets=shards("<system>/targets/{shard}.h5"),
     output:
-        f"{RUN}/models/{{model}}/predictions.h5",
+        "<model>/predictions.h5",
     log:
-        f"{RUN}/logs/predict_baseline/{{model}}.log",
-    benchmark:
-        f"{RUN}/benchmarks/predict_baseline/{{model}}.tsv"
+        "<system>/logs/reconstruct_targets/{model}.log",
+    threads: 1
+    resources:
+        mem_mb=500,
+        disk_mb=200,
     wildcard_constraints:
-        model="training_mean|phone_state_mean|triphone_state_mean",
-    conda:
-        "../envs/visualspeech.yaml"
+        model=FLOORS,
     params:
-        settings=SETTINGS["baselines"],
-        code=code("predict_baseline.py"),
+        code=code("reconstruct_targets.py"),
     script:
-        "../scripts/predict_baseline.py"
-
-
-rule reconstruct_appearance:
-    input:
-        utterances=f"{RUN}/utterances.tsv",
-        features=shards(f"{RUN}/features/{{shard}}.h5"),
-    output:
-        f"{RUN}/models/aam_reconstruction/predictions.h5",
-    log:
-        f"{RUN}/logs/reconstruct_appearance.log",
-    benchmark:
-        f"{RUN}/benchmarks/reconstruct_appearance.tsv"
-    conda:
-        "../envs/visualspeech.yaml"
-    params:
-        code=code("reconstruct_appearance.py"),
-    script:
-        "../scripts/reconstruct_appearance.py"
+        "../scripts/reconstruct_targets.py"

@@ -1,15 +1,23 @@
+# A head for each speaker, and the list of accepted utterances: one for all systems.
+def heads_of(wildcards):
+    return filled("<corpus>/heads/{speaker}.safetensors", wildcards, speaker=list(PLAN.corpora[wildcards.corpus].speakers))
+
+
 rule fit_head:
     input:
-        landmarks=shards(f"{CORPUS}/landmarks/{{shard}}.h5"),
-        split=f"{CORPUS}/corpus/split.tsv",
+        utterances=shards("<corpus>/corpus/utterances/{shard}.tsv"),
+        landmarks=shards("<corpus>/landmarks/{shard}.h5"),
+        split="<corpus>/corpus/split.tsv",
     output:
-        f"{RUN}/pose/head.safetensors",
+        "<corpus>/heads/{speaker}.safetensors",
     log:
-        f"{RUN}/logs/fit_head.log",
+        "<corpus>/logs/fit_head/{speaker}.log",
     benchmark:
-        f"{RUN}/benchmarks/fit_head.tsv"
-    conda:
-        "../envs/visualspeech.yaml"
+        "<corpus>/benchmarks/fit_head/{speaker}.tsv"
+    threads: 1
+    resources:
+        mem_mb=1000,
+        disk_mb=100,
     params:
         settings=SETTINGS["pose"],
         code=code("fit_head.py"),
@@ -19,18 +27,22 @@ rule fit_head:
 
 rule normalise_pose:
     input:
-        head=f"{RUN}/pose/head.safetensors",
-        landmarks=f"{CORPUS}/landmarks/{{shard}}.h5",
+        utterances="<corpus>/corpus/utterances/{shard}.tsv",
+        heads=heads_of,
+        landmarks="<corpus>/landmarks/{shard}.h5",
     output:
-        f"{RUN}/pose/{{shard}}.h5",
+        "<corpus>/pose/{shard}.h5",
     log:
-        f"{RUN}/logs/normalise_pose/{{shard}}.log",
+        "<corpus>/logs/normalise_pose/{shard}.log",
     benchmark:
-        f"{RUN}/benchmarks/normalise_pose/{{shard}}.tsv"
-    conda:
-        "../envs/visualspeech.yaml"
+        "<corpus>/benchmarks/normalise_pose/{shard}.tsv"
+    threads: 1
+    resources:
+        mem_mb=1000,
+        disk_mb=500,
     params:
         settings=SETTINGS["pose"],
+        speakers=lambda wildcards: list(PLAN.corpora[wildcards.corpus].speakers),
         code=code("normalise_pose.py"),
     script:
         "../scripts/normalise_pose.py"
@@ -38,27 +50,22 @@ rule normalise_pose:
 
 rule accept_utterances:
     input:
-        utterances=shards(f"{CORPUS}/corpus/utterances/{{shard}}.tsv"),
-        split=f"{CORPUS}/corpus/split.tsv",
-        head=f"{RUN}/pose/head.safetensors",
-        landmarks=shards(f"{CORPUS}/landmarks/{{shard}}.h5"),
-        pose=shards(f"{RUN}/pose/{{shard}}.h5"),
-        findings=[
-            f"{CORPUS}/check/findings.tsv",
-            *shards(f"{CORPUS}/alignment/{{shard}}.findings.tsv"),
-            *shards(f"{CORPUS}/landmarks/{{shard}}.findings.tsv"),
-        ],
+        utterances=shards("<corpus>/corpus/utterances/{shard}.tsv"),
+        split="<corpus>/corpus/split.tsv",
+        heads=heads_of,
+        landmarks=shards("<corpus>/landmarks/{shard}.h5"),
+        pose=shards("<corpus>/pose/{shard}.h5"),
+        checked="<corpus>/check/findings.tsv",
+        aligned=shards("<corpus>/alignment/{shard}.findings.tsv"),
+        tracked=shards("<corpus>/landmarks/{shard}.findings.tsv"),
     output:
-        accepted=f"{RUN}/utterances.tsv",
-        findings=f"{RUN}/findings.tsv",
+        accepted="<corpus>/utterances.tsv",
+        findings="<corpus>/findings.tsv",
     log:
-        f"{RUN}/logs/accept_utterances.log",
-    benchmark:
-        f"{RUN}/benchmarks/accept_utterances.tsv"
-    conda:
-        "../envs/visualspeech.yaml"
+        "<corpus>/logs/accept_utterances.log",
     params:
         settings=SETTINGS["screening"],
+        speakers=lambda wildcards: list(PLAN.corpora[wildcards.corpus].speakers),
         limit=SETTINGS["max_rejected_share"],
         code=code("accept_utterances.py"),
     script:

@@ -1,29 +1,13 @@
-rule render_videos:
-    input:
-        utterances=f"{RUN}/utterances.tsv",
-        aam=f"{RUN}/aam/model.safetensors",
-        reference=f"{RUN}/aam/reference.safetensors",
-        head=f"{RUN}/pose/head.safetensors",
-        predictions=f"{RUN}/models/{SETTINGS['videos']['model']}/predictions.h5",
-        landmarks=shards(f"{CORPUS}/landmarks/{{shard}}.h5"),
-        pose=shards(f"{RUN}/pose/{{shard}}.h5"),
-        parameters=shards(f"{RUN}/aam/parameters/{{shard}}.h5"),
-        textures=shards(FACES),
-    output:
-        directory(f"{RUN}/videos"),
-    log:
-        f"{RUN}/logs/render_videos.log",
-    benchmark:
-        f"{RUN}/benchmarks/render_videos.tsv"
-    conda:
-        "../envs/visualspeech.yaml"
-    params:
-        settings=SETTINGS["videos"],
-        names={
-            "corpus": PLAN.name,
-            "model": SETTINGS["videos"]["model"],
-            "consent": SETTINGS["corpus"].get("consent", ""),
-        },
-        code=code("render_videos.py"),
-    script:
-        "../scripts/render_videos.py"
+def shown_model(file):
+    """Input function: a file of the model that a system's videos show."""
+    return lambda wildcards: filled(f"<model>/{file}", wildcards, model=system_of(wildcards)["videos"]["model"])
+
+
+def faces(wildcards):
+    """Files of the faces that a coding's parameters code: at the tracker's landmarks, or where the fitted AAM finds them."""
+    name = getattr(wildcards, "coding", None) or system_of(wildcards)["coding"]
+    folder = "fitted" if SETTINGS["codings"][name]["source"] == "fit" else "textures"
+    pattern = f"<coding>/{folder}/{{shard}}.h5"
+    numbers = [wildcards.shard] if hasattr(wildcards, "shard") else PLAN.corpora[wildcards.corpus].shards
+    return [path for number in numbers for path in expand(
+        workflow.pathvars.apply(pattern), corpus=wildcards.corpus, coding=name, shard=number)]

@@ -1,12 +1,10 @@
 """The phones that the corpus speaks: the K of the label vectors."""
 
-import pandas
+from visualspeech.features.contexts import phone_inventory, write_phones
 
-from visualspeech.features.labels import phone_inventory
 from visualspeech.jobs import job
-from visualspeech.speech.rows import read_alignment_table
-from visualspeech.storage import write_table
+from visualspeech.speech.alignment import read_alignments
 
 with job(snakemake.log[0]):
-    phones = phone_inventory(read_alignment_table(path) for path in snakemake.input)
-    write_table(snakemake.output[0], pandas.DataFrame({"phone": phones}))
+    alignments = (alignment for path in snakemake.input for alignment in read_alignments(path).values())
+    write_phones(snakemake.output[0], phone_inventory(alignments))

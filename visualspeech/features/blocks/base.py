@@ -1,0 +1,132 @@
+"""What an input block is: how it is fitted, what it reads of an utterance, and how it is kept.
+
+A block of kind ``log_mel`` lives in the module ``log_mel`` beside this one, whose ``BLOCK`` is its class; there is no
+list to enter it in, so that a new kind leaves the results of the others alone. It is torch-free, so that features are
+computed by light jobs and a talking head can encode new speech.
+"""
+
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from importlib import import_module
+from pathlib import Path
+from typing import ClassVar, Protocol
+
+import numpy as np
+
+from visualspeech.errors import StorageError
+from visualspeech.features.streams import Layout, Stream
+from visualspeech.speech.alignment import Alignment, read_alignments
+from visualspeech.storage import read_model_of, write_model
+
+
+@dataclass(frozen=True)
+class Source:
+    """What a block is computed from, of one utterance.
+
+    Parameters
+    ----------
+    frames, rate : length and rate in Hz of the visual stream that the block's stream accompanies
+    alignment : words, phones and states with their times
+    """
+
+    frames: int
+    rate: float
+    alignment: Alignment
+
+
+class Block(Protocol):
+    """An input block, fitted."""
+
+    kind: ClassVar[str]
+    #: Subclass of :class:`visualspeech.fields.Settings`; None for a block without settings.
+    settings: ClassVar[type | None]
+
+    @classmethod
+    def fit(cls, settings: Mapping, phones: Sequence[str], training: Iterable[Source]) -> "Block":
+        """The block for a corpus.
+
+        Parameters
+        ----------
+        settings : those of the block in the system's settings, defaults filled in
+        phones : inventory of the corpus
+        training : training utterances; read only by blocks that learn from them
+        """
+
+    @property
+    def layout(self) -> Layout:
+        """Columns of its streams."""
+
+    def encode(self, sources: Sequence[Source]) -> Iterator[Stream]:
+        """The stream of each utterance."""
+
+    def state(self) -> tuple[dict[str, np.ndarray], dict]:
+        """What :meth:`restore` makes the block of: arrays, and plain data."""
+
+    @classmethod
+    def restore(cls, arrays: Mapping[str, np.ndarray], plain: Mapping) -> "Block":
+        """The inverse of :meth:`state`."""
+
+
+def block_kinds() -> list[str]:
+    """Names of all kinds of input blocks."""
+    return sorted(path.stem for path in Path(__file__).parent.glob("*.py") if path.stem not in ("__init__", "base"))
+
+
+def block_module(kind: str) -> str:
+    """Name of the module of a kind."""
+    return f"{__package__}.{kind}"
+
+
+def block_class(kind: str) -> type[Block]:
+    """The class of a kind.
+
+    Raises
+    ------
+    StorageError
+        The kind is unknown.
+    """
+    if kind not in block_kinds():
+        raise StorageError(f"the input block kind {kind!r} is unknown. Known: {', '.join(block_kinds())}.")
+    return import_module(block_module(kind)).BLOCK
+
+
+def restore(kind: str, arrays: Mapping[str, np.ndarray], plain: Mapping) -> Block:
+    """A fitted block from its state.
+
+    Raises
+    ------
+    StorageError
+        The kind is unknown, or the state is not one of that kind.
+    """
+    try:
+        return block_class(kind).restore(arrays, plain)
+    except (TypeError, KeyError, ValueError) as error:
+        raise StorageError(f"this is no state of an input block of kind {kind} ({error!r}).") from error
+
+
+def save_block(path: str | Path, block: Block) -> None:
+    """Write a fitted block as one safetensors file."""
+    arrays, plain = block.state()
+    write_model(path, arrays, {"kind": "block", "block": block.kind, "state": plain})
+
+
+def load_block(path: str | Path) -> Block:
+    """Read what :func:`save_block` wrote; raises as :func:`restore`."""
+    arrays, settings = read_model_of(path, "input block", ["block"])
+    return restore(settings["block"], arrays, settings["state"])
+
+
+def read_sources(alignment: str | Path, targets, ids: Collection[str]) -> dict[str, Source]:
+    """What blocks are computed from, of the utterances of one shard, by id.
+
+    Parameters
+    ----------
+    alignment : table of the shard
+    targets : open reader or collection, which gives length and rate of each utterance
+    ids : the utterances that are wanted; those without an alignment or targets are left out
+    """
+    return {
+        name: Source(targets.length(name, "appearance"), targets.rate(name), found)
+        for name, found in read_alignments(alignment).items()
+        if name in ids and name in targets
+    }

@@ -1,0 +1,122 @@
+"""Stacks of feed-forward (F) and bidirectional LSTM (B) layers, named by their letters: FBB, BFF, ... (Fan 2015, 4)."""
+
+from collections.abc import Sequence
+from dataclasses import asdict
+from itertools import accumulate
+from pathlib import Path
+
+import torch
+from torch import nn
+from torch.nn.utils.rnn import PackedSequence, pack_padded_sequence, pad_packed_sequence
+
+from visualspeech.features.streams import Layout
+from visualspeech.models.batches import Batch
+from visualspeech.models.network import Network, load_network
+from visualspeech.models.stack_settings import StackSettings
+from visualspeech.models.task import Fitted, Task
+from visualspeech.models.training import train
+from visualspeech.models.training_settings import training_settings
+from visualspeech.provenance import code_digest
+
+FAMILY = "stack"
+
+
+class Stack(nn.Module):
+    """A stack over one-hot and real-valued inputs, with a linear output layer (Fan 2015, Fig. 3 and Eq. 12).
+
+    Utterances of one batch (B of them, T = the longest) may have different lengths: padded frames reach neither
+    direction of a BLSTM layer, and the output there is zero.
+
+    Parameters
+    ----------
+    settings : the hidden layers
+    layouts : columns of the input streams; the classes of all of them come first, then their values
+    outputs : dimension N of the targets
+    dropout : share of hidden values set to zero in training
+    """
+
+    def __init__(self, settings: StackSettings, layouts: Sequence[Layout], outputs: int, dropout: float = 0.0) -> None:
+        super().__init__()
+        sizes = [size for layout in layouts for size in layout.sizes]
+        self.offsets = torch.tensor([0, *accumulate(sizes[:-1])][: len(sizes)], dtype=torch.int64)
+        self.classes = sum(sizes)
+        self.letters = settings.letters
+        self.dropout = dropout
+        self.layers = nn.ModuleList()
+        width = sum(layout.width for layout in layouts)
+        for letter in settings.letters:
+            if letter == "F":
+                self.layers.append(nn.Linear(width, settings.nodes))
+                width = settings.nodes
+            else:
+                self.layers.append(nn.LSTM(width, settings.direction_nodes, batch_first=True, bidirectional=True))
+                width = 2 * settings.direction_nodes
+        self.output = nn.Linear(width, outputs)
+
+    def forward(self, batch: Batch) -> torch.Tensor:
+        """Outputs (B, T, N) of a batch."""
+        packed = pack_padded_sequence(batch.index, batch.lengths, batch_first=True)
+        # From here on only real frames exist: (frames of the batch, features), in the packed order.
+        frames = self.encode(packed.data)
+        if batch.values.shape[2]:
+            values = pack_padded_sequence(batch.values, batch.lengths, batch_first=True).data
+            frames = torch.cat([frames, values], dim=1)
+        for letter, layer in zip(self.letters, self.layers, strict=True):
+            if letter == "F":
+                frames = torch.tanh(layer(frames))
+            else:
+                frames = layer(PackedSequence(frames, packed.batch_sizes))[0].data
+            if self.training and self.dropout:
+                frames = dropped(frames, self.dropout)
+        values = PackedSequence(self.output(frames), packed.batch_sizes)
+        return pad_packed_sequence(values, batch_first=True, total_length=batch.index.shape[1])[0]
+
+    def encode(self, index: torch.Tensor) -> torch.Tensor:
+        """One-hot vectors of class indices side by side: (frames, C) to (frames, classes); 3K + 3 in Fan 2015, 3.1."""
+        ones = torch.zeros(len(index), self.classes, dtype=self.output.weight.dtype)
+        return ones.scatter_(1, index + self.offsets, 1.0)
+
+
+def dropped(values: torch.Tensor, share: float) -> torch.Tensor:
+    """Values with a random share of them zero and the others larger by 1 / (1 - share), as in training with dropout.
+
+    The same as :func:`torch.nn.functional.dropout` with other random numbers: uniform ones, which a processor draws
+    three times as fast as torch's Bernoulli ones; those were a tenth of an update.
+    """
+    return values * torch.rand_like(values).ge_(share).mul_(1 / (1 - share))
+
+
+def fit(task: Task) -> Fitted:
+    """Train the stack of a row.
+
+    Raises
+    ------
+    DataError, SettingError
+        As :func:`visualspeech.models.training.train`.
+    """
+    settings = StackSettings(**task.row.settings)
+    training = training_settings(task.row.training, seed=task.row.seed)
+    layouts = [block.layout for block in task.blocks.values()]
+    trained = train(
+        lambda outputs: Stack(settings, layouts, outputs, training.dropout),
+        task,
+        training,
+        [asdict(settings), code_digest(__file__)],
+    )
+    network = Network(
+        family=FAMILY,
+        settings=asdict(settings),
+        module=trained.module,
+        scaling=trained.scaling,
+        blocks=task.blocks,
+        rate=task.training[0].rate,
+        coding=task.coding,
+        about={"training": asdict(training), "epochs": len(trained.curve), "best_epoch": trained.best_epoch},
+    )
+    return Fitted(network, trained.curve_table())
+
+
+def load(path: str | Path) -> Network:
+    """Read a saved stack; raises as :func:`visualspeech.models.network.load_network`."""
+    return load_network(path, FAMILY, lambda settings, layouts, outputs: Stack(
+        StackSettings(**settings), layouts, outputs))  # fmt: skip

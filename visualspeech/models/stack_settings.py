@@ -1,0 +1,51 @@
+"""Settings of stacks of feed-forward and BLSTM layers; without torch, for planning."""
+
+import re
+from dataclasses import dataclass
+from typing import ClassVar
+
+from visualspeech.errors import SettingError
+from visualspeech.fields import Settings, setting
+
+#: Hidden layers at most; each one is a job's memory and time.
+MAX_LAYERS = 16
+
+
+@dataclass(frozen=True)
+class StackSettings(Settings):
+    """Hidden layers of a stack.
+
+    Fan 2015 does not say what the width of a B layer counts; Sadoughi and Busso (2017) count directions.
+    """
+
+    section: ClassVar[str] = "models"
+
+    letters: str = setting(
+        "FBB",
+        "Hidden layers from the input up, one capital letter each: F feed-forward, B bidirectional LSTM; for example "
+        "FBB.",
+    )
+    nodes: int = setting(128, "Width of a hidden layer, for example 128.", minimum=1, maximum=4096)
+    b_nodes: str = setting(
+        "direction",
+        "What the width of a B layer counts: the nodes of one direction, or of both directions of the layer.",
+        choices=("direction", "layer"),
+    )
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if not re.fullmatch(f"[FB]{{1,{MAX_LAYERS}}}", self.letters):
+            raise SettingError(
+                f"`models`: letters {self.letters!r}: a stack is named by the letters F (feed-forward) and B (BLSTM), "
+                f"one a hidden layer from the input up, at most {MAX_LAYERS}; for example FBB."
+            )
+        if self.b_nodes == "layer" and "B" in self.letters and self.nodes % 2:
+            raise SettingError(
+                f"`models`: nodes {self.nodes} is odd; with `b_nodes: layer` the two directions of a B layer share its "
+                "nodes. Give an even number."
+            )
+
+    @property
+    def direction_nodes(self) -> int:
+        """Nodes of one direction of a B layer."""
+        return self.nodes if self.b_nodes == "direction" else self.nodes // 2

@@ -1,0 +1,1 @@
+"""The plan of a run, made before any job and without writing anything: settings, corpora, systems, rows."""

@@ -1,0 +1,16 @@
+"""The parameters of the visual coding of one shard at the system's frame rate."""
+
+from visualspeech.features.targets import target_streams
+from visualspeech.jobs import job
+from visualspeech.storage import ArrayReader, ArrayWriter
+
+STREAMS = ("appearance", "shape", "texture", "points")
+
+with (
+    job(snakemake.log[0]),
+    ArrayReader(snakemake.input.parameters) as parameters,
+    ArrayWriter(snakemake.output[0]) as out,
+):
+    for one in parameters.ids:
+        visual = {name: parameters.array(one, name) for name in STREAMS}
+        out.add(one, *target_streams(visual, parameters.rate(one), snakemake.params.rate))

@@ -1,0 +1,16 @@
+"""The streams of one input block for one shard."""
+
+from visualspeech.features.blocks.base import load_block, read_sources
+from visualspeech.jobs import job
+from visualspeech.storage import ArrayReader, ArrayWriter
+
+source = snakemake.input
+with (
+    job(snakemake.log[0]),
+    ArrayReader(source.targets) as targets,
+    ArrayWriter(snakemake.output[0]) as out,
+):
+    block = load_block(source.block)
+    sources = read_sources(source.alignment, targets, targets.ids)
+    for name, stream in zip(sources, block.encode(list(sources.values())), strict=True):
+        out.add(name, stream.arrays(), targets.rate(name))

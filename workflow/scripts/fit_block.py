@@ -1,0 +1,18 @@
+"""Fit one input block to the training utterances of a corpus."""
+
+from visualspeech.features.contexts import read_phones
+
+from visualspeech.corpora.table import of_split, read_utterances
+from visualspeech.features.blocks.base import block_class, read_sources, save_block
+from visualspeech.jobs import job
+from visualspeech.storage import ArrayCollection
+
+source, params = snakemake.input, snakemake.params
+with job(snakemake.log[0]), ArrayCollection(source.targets) as targets:
+    training = {one.id for one in of_split(read_utterances(source.utterances), "train")}
+    block = block_class(params.kind).fit(
+        params.settings,
+        read_phones(source.phones),
+        (one for path in source.alignment for one in read_sources(path, targets, training).values()),
+    )
+    save_block(snakemake.output[0], block)

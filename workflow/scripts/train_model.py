@@ -1,0 +1,34 @@
+"""Train one model; a killed training resumes from its checkpoint with the same result."""
+
+from importlib import import_module
+from pathlib import Path
+
+from visualspeech.corpora.table import of_split, read_utterances
+from visualspeech.features.examples import Examples, opened_blocks
+from visualspeech.jobs import job
+from visualspeech.models.block_states import load_blocks
+from visualspeech.models.rows import ModelRow
+from visualspeech.models.task import Task
+from visualspeech.provenance import file_digest
+from visualspeech.storage import ArrayCollection, write_table
+
+source, row = snakemake.input, ModelRow.of(snakemake.params.row)
+with (
+    job(snakemake.log[0]),
+    opened_blocks(source.features, len(row.reads)) as features,
+    ArrayCollection(source.targets) as targets,
+):
+    utterances = read_utterances(source.utterances)
+    training, validation = (
+        Examples(features, targets, [one.id for one in of_split(utterances, split)])
+        for split in ("train", "validation")
+    )
+    # Not an output: it must outlive a killed job, whose outputs are removed before it runs again.
+    checkpoint = Path(snakemake.output.model).with_name("checkpoint.safetensors")
+    parent = Path(source.parent[0]) if source.parent else None
+    blocks = load_blocks(dict(zip(row.reads, source.blocks, strict=True)))
+    task = Task(row, blocks, training, validation, file_digest(source.coding), parent, checkpoint)
+    fitted = import_module(snakemake.params.module).fit(task)
+    write_table(snakemake.output.curve, fitted.curve)
+    fitted.model.save(snakemake.output.model)
+    checkpoint.unlink(missing_ok=True)
