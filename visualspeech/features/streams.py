@@ -8,6 +8,7 @@ import numpy as np
 from visualspeech.errors import SettingError
 from visualspeech.features.labels import label_indices
 from visualspeech.features.resampling import resample
+from visualspeech.speech.alignment import Alignment
 
 
 @dataclass(frozen=True)
@@ -22,17 +23,20 @@ class FeatureSettings:
 
 
 def feature_streams(
-    rows, visual: Mapping[str, np.ndarray], video_rate: float, phones: Sequence[str], settings: FeatureSettings
+    alignment: Alignment,
+    visual: Mapping[str, np.ndarray],
+    video_rate: float,
+    phones: Sequence[str],
+    settings: FeatureSettings,
 ) -> tuple[dict[str, np.ndarray], float]:
     """Labels (T, 4) and every visual stream of an utterance, resampled to T frames; and their rate in Hz.
 
     Parameters
     ----------
-    rows : alignment of the utterance
     visual : streams (frames, n) at ``video_rate`` Hz
     phones : the inventory
     """
     rate = settings.rate or video_rate
     resampled = {name: resample(values, video_rate, rate) for name, values in visual.items()}
     frames = len(next(iter(resampled.values())))
-    return {"labels": label_indices(rows, frames, rate, phones), **resampled}, rate
+    return {"labels": label_indices(alignment, frames, rate, phones), **resampled}, rate

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from visualspeech.errors import DataError, SettingError
-from visualspeech.features.labels import STATES
+from visualspeech.speech.phones import STATES
 from visualspeech.storage import part_of, read_model_of, write_model
 
 KINDS = ("training_mean", "phone_state_mean", "triphone_state_mean")

@@ -10,7 +10,7 @@ from torch import nn
 from torch.nn.utils.rnn import PackedSequence, pack_padded_sequence, pad_packed_sequence
 
 from visualspeech.errors import SettingError
-from visualspeech.features.labels import STATES
+from visualspeech.speech.phones import STATES
 from visualspeech.naming import parse_name
 
 WIDTHS = ("direction", "layer")

@@ -10,7 +10,7 @@ import numpy as np
 import torch
 
 from visualspeech.errors import DataError
-from visualspeech.features.richer import part_sizes
+from visualspeech.features.label_parts import part_sizes
 from visualspeech.models.blstm import Stack, StackSettings
 from visualspeech.storage import part_of, read_model_of, write_model
 
@@ -40,7 +40,7 @@ class Network:
     rate : frame rate of labels and appearance in Hz
     aam : digest of the appearance model whose parameters are predicted
     about : how it was trained (settings, epochs, digests), for people
-    parts : what its labels say beyond phones and states, of :data:`visualspeech.features.richer.PARTS`
+    parts : what its labels say beyond phones and states, of :data:`visualspeech.features.label_parts.PARTS`
     """
 
     stack: StackSettings

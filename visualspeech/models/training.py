@@ -11,7 +11,7 @@ import numpy as np
 import torch
 
 from visualspeech.errors import SettingError
-from visualspeech.features.richer import part_sizes
+from visualspeech.features.label_parts import part_sizes
 from visualspeech.jobs import log
 from visualspeech.models.batches import batch, batches, content
 from visualspeech.models.blstm import Stack, StackSettings
@@ -196,7 +196,7 @@ def train(
         was made by this code from these settings and data, training goes on from it. The caller removes it once the
         network is saved.
     aam : digest of the appearance model, kept in the network's file
-    parts : what the labels say beyond phones and states (:data:`visualspeech.features.richer.PARTS`), a column each
+    parts : what the labels say beyond phones and states (:data:`visualspeech.features.label_parts.PARTS`), a column each
 
     Raises
     ------

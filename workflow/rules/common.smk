@@ -6,7 +6,7 @@ from visualspeech.corpora.plan import hold, plan_corpus
 from visualspeech.errors import VisualSpeechError
 from visualspeech.face.aam.model import AamSettings
 from visualspeech.models.names import BASELINES, HMMS
-from visualspeech.features.richer import PARTS
+from visualspeech.features.label_parts import PARTS
 from visualspeech.naming import parse_name
 from visualspeech.provenance import code_digest
 

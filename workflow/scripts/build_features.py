@@ -3,7 +3,7 @@
 from visualspeech.features.labels import read_phones
 from visualspeech.features.streams import FeatureSettings, feature_streams
 from visualspeech.jobs import job
-from visualspeech.speech.rows import read_alignment_rows
+from visualspeech.speech.alignment import read_alignments
 from visualspeech.storage import ArrayReader, ArrayWriter
 
 STREAMS = ("appearance", "shape", "texture", "points")
@@ -15,7 +15,7 @@ with (
 ):
     phones = read_phones(snakemake.input.phones)
     settings = FeatureSettings(**snakemake.params.settings)
-    alignments = read_alignment_rows(snakemake.input.alignment)
+    alignments = read_alignments(snakemake.input.alignment)
     for one in parameters.ids:
         visual = {name: parameters.array(one, name) for name in STREAMS}
         streams, rate = feature_streams(alignments[one], visual, parameters.rate(one), phones, settings)

@@ -1,9 +1,10 @@
-"""What the labels of one shard say beyond phones and states."""
+"""Compute the label parts of one shard: position in the syllable and in the word, stress."""
 
-from visualspeech.features.richer import SILENCE, label_parts
+from visualspeech.features.label_parts import label_parts
 from visualspeech.jobs import job
 from visualspeech.speech import tts
-from visualspeech.speech.rows import read_alignment_rows
+from visualspeech.speech.alignment import read_alignments
+from visualspeech.speech.phones import SILENCE
 from visualspeech.storage import ArrayReader, ArrayWriter
 
 with (
@@ -11,8 +12,8 @@ with (
     ArrayReader(snakemake.input.features) as features,
     ArrayWriter(snakemake.output[0]) as out,
 ):
-    alignments = read_alignment_rows(snakemake.input.alignment)
-    spoken = {word for rows in alignments.values() for word in rows.loc[rows["tier"] == "word", "label"]}
+    alignments = read_alignments(snakemake.input.alignment)
+    spoken = {word.label for alignment in alignments.values() for word in alignment.words}
     stresses = tts.stresses(sorted(spoken - {SILENCE})) if "stress" in snakemake.params.parts else {}
     for one in features.ids:
         frames, rate = features.length(one, "labels"), features.rate(one)
