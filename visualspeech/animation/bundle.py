@@ -190,8 +190,8 @@ def rest_of(silences: Iterable[np.ndarray]) -> np.ndarray:
         total, count = total + np.asarray(appearance, np.float64).sum(axis=0), count + len(appearance)
     if not count:
         raise DataError(
-            "the training utterances have no silence from which to learn the face at rest; record with half a second of "
-            "silence before and after each sentence."
+            "the training utterances have no silence that shows the face at rest; record with half a second of silence "
+            "before and after each sentence."
         )
     return (total / count).astype(np.float32)
 

@@ -38,9 +38,9 @@ def phone_contexts(alignment: Alignment, phones: Sequence[str], before: int = 1,
     unknown = sorted({SILENCE, *labels} - set(index))
     if unknown:
         raise DataError(
-            f"phones that are not in the inventory of {len(phones)} phones: {', '.join(unknown)}. Where the inventory is "
-            "that of the same corpus, delete phones.tsv and the features and run again; where it is that of a trained "
-            "model, train the model on the corpus that it is used for."
+            f"the inventory of {len(phones)} phones does not have {', '.join(unknown)}. If it is that of the same "
+            "corpus, delete phones.tsv and the features and run again; if it is that of a trained model, train the "
+            "model on the corpus that it is used for."
         )
     padded = [SILENCE] * before + labels + [SILENCE] * after
     numbers = np.array([index[label] for label in padded])

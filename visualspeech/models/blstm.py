@@ -10,8 +10,8 @@ from torch import nn
 from torch.nn.utils.rnn import PackedSequence, pack_padded_sequence, pad_packed_sequence
 
 from visualspeech.errors import SettingError
-from visualspeech.speech.phones import STATES
 from visualspeech.naming import parse_name
+from visualspeech.speech.phones import STATES
 
 WIDTHS = ("direction", "layer")
 

@@ -196,7 +196,7 @@ def train(
         was made by this code from these settings and data, training goes on from it. The caller removes it once the
         network is saved.
     aam : digest of the appearance model, kept in the network's file
-    parts : what the labels say beyond phones and states (:data:`visualspeech.features.label_parts.PARTS`), a column each
+    parts : label parts, a further column of the labels each (:data:`visualspeech.features.label_parts.PARTS`)
 
     Raises
     ------
