@@ -19,8 +19,8 @@ from tests.paths import grid_root
 from visualspeech.corpora.grid import utterances
 from visualspeech.errors import RejectedUtterance
 from visualspeech.media.reading import read_audio
-from visualspeech.speech.alignment import Aligner, AlignmentSettings
-from visualspeech.speech.recognition import RATE, speech_part
+from visualspeech.speech.forced_alignment import Aligner, AlignmentSettings
+from visualspeech.speech.recognition import RATE, speech_part, to_int16
 
 OTHER = (
     "She sells sea shells by the shore.",
@@ -33,7 +33,7 @@ OTHER = (
 
 def sound(utterance) -> np.ndarray:
     """16-bit samples at 16 kHz."""
-    return np.clip(np.round(read_audio(utterance.media, RATE) * 32767), -32768, 32767).astype(np.int16)
+    return to_int16(read_audio(utterance.media, RATE))
 
 
 def true_words(root) -> dict[str, list[tuple[str, float, float]]]:

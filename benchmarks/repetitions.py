@@ -20,36 +20,34 @@ import numpy as np
 from benchmarks.runs import alignment_files
 from visualspeech.corpora.table import of_split, read_utterances
 from visualspeech.evaluation.metrics import frame_rmse
-from visualspeech.features.labels import SILENCE, read_phones
+from visualspeech.features.labels import read_phones
 from visualspeech.features.resampling import at_times
-from visualspeech.speech.rows import read_alignment_rows
+from visualspeech.speech.alignment import Alignment, read_alignments
+from visualspeech.speech.phones import SILENCE
 from visualspeech.storage import ArrayCollection
 from visualspeech.timing import frame_times
 
 DRAWS = 2000
 
 
-def takes_of(rows) -> list[tuple[tuple, np.ndarray]]:
+def takes_of(alignment: Alignment) -> list[tuple[tuple, np.ndarray]]:
     """Inner words of an utterance: (left word, word, right word, phones), and its phones' borders in seconds."""
-    words = rows[(rows["tier"] == "word") & (rows["label"] != SILENCE)].sort_values("index")
-    phones = rows[rows["tier"] == "phone"].sort_values("index")
-    found, labels = [], words["label"].tolist()
-    for place, number in enumerate(words["index"].tolist()[1:-1], start=1):
-        own = phones[phones["parent"] == number]
-        key = (*labels[place - 1 : place + 2], *own["label"])
-        found.append((key, np.r_[own["start"].to_numpy(float), own["end"].to_numpy(float)[-1]]))
+    words = [(number, word.label) for number, word in enumerate(alignment.words) if word.label != SILENCE]
+    found, labels = [], [label for _, label in words]
+    for position, (number, _) in enumerate(words[1:-1], start=1):
+        phones = [phone for phone in alignment.phones if phone.parent == number]
+        key = (*labels[position - 1 : position + 2], *(phone.label for phone in phones))
+        found.append((key, np.array([*(phone.start for phone in phones), phones[-1].end])))
     return found
 
 
 def main(results: str, experiment: str, *models: str) -> None:
     corpus, run = Path(results), Path(results, experiment)
     utterances = read_utterances(run / "utterances.tsv")
-    rows = {}
-    for path in alignment_files(corpus):
-        rows.update(read_alignment_rows(path))
+    aligned = {name: found for path in alignment_files(corpus) for name, found in read_alignments(path).items()}
     takes = defaultdict(list)
     for one in utterances:
-        for key, borders in takes_of(rows[one.id]):
+        for key, borders in takes_of(aligned[one.id]):
             takes[key].append((one.id, borders))
     models = models or tuple(sorted(path.parent.name for path in run.glob("models/*/predictions.h5")))
     with ArrayCollection(sorted((run / "features").glob("*.h5"))) as features:
@@ -58,7 +56,7 @@ def main(results: str, experiment: str, *models: str) -> None:
         for one in of_split(utterances, "test"):
             truth, rate = np.float64(features.array(one.id, "appearance")), features.rate(one.id)
             times, total = frame_times(len(truth), rate), np.zeros(2 + len(models))
-            for key, borders in takes_of(rows[one.id]):
+            for key, borders in takes_of(aligned[one.id]):
                 others = [(name, theirs) for name, theirs in takes[key] if name != one.id]
                 frames = (times >= borders[0]) & (times < borders[-1])
                 if not others or not frames.any():

@@ -21,6 +21,7 @@ from visualspeech.face.aam.reference import Reference
 from visualspeech.face.head import HeadModel
 from visualspeech.models.network import Network
 from visualspeech.provenance import file_digest
+from visualspeech.speech.alignment import Alignment
 from visualspeech.speech.phones import SILENCE
 from visualspeech.storage import read_model_of, read_text, write_model, write_text
 from visualspeech.timing import frame_times
@@ -30,7 +31,7 @@ VERSION = 1
 DESCRIPTION = "speaker.json"
 PARTS = ("network", "aam", "reference", "head", "rest", "background")
 FILES = {name: f"{name}.safetensors" for name in PARTS} | {"background": "background.h5"}
-_CUT_CLOSE = {"after": 0.12, "before": 0.12}  # seconds to speech in recordings without a long silence
+_SHORT_SILENCE = {"after": 0.12, "before": 0.12}  # seconds to speech in recordings without a long silence
 
 
 @dataclass(frozen=True)
@@ -132,51 +133,52 @@ def check_together(network: Network, speaker: Speaker, aam_digest: str, phones) 
         )
 
 
-def resting_frames(rows, frames: int, rate: float, after: float = 0.25, before: float = 0.5) -> np.ndarray:
-    """Frames (frames,) bool of one utterance in which nobody speaks, nor has for some time or will for longer.
+def resting_frames(
+    alignment: Alignment, frames: int, rate: float, after: float = 0.25, before: float = 0.5
+) -> np.ndarray:
+    """Frames of one utterance in which the face is at rest, (frames,) bool: silence away from speech.
 
-    A mouth is shut soon after the last sound, but opens long before the next, to draw breath.
+    The mouth closes soon after speech, but opens long before it, to draw breath.
 
     Parameters
     ----------
-    rows : alignment of the utterance (data frame with the columns tier, label, start, end)
-    after, before : seconds to the speech before and to that after
+    frames, rate : number of frames and frame rate (Hz) of the visual stream
+    after, before : minimum time in seconds after speech and before speech
     """
-    phones = rows[rows["tier"] == "phone"].sort_values("start")
-    times, quiet = frame_times(frames, rate), np.ones(frames, bool)
-    for label, start, end in phones[["label", "start", "end"]].itertuples(index=False):
-        if label != SILENCE:
-            quiet &= (times < start - before) | (times > end + after)
-    return quiet
+    times, resting = frame_times(frames, rate), np.ones(frames, bool)
+    for phone in alignment.phones:
+        if phone.label != SILENCE:
+            resting &= (times < phone.start - before) | (times > phone.end + after)
+    return resting
 
 
 def resting_face(utterances: Callable[[], Iterable[tuple]]) -> np.ndarray:
-    """The face at rest, (N,) float32, of utterances: of long silences, or of short ones where there are no long ones.
+    """The face at rest, (N,) float32: mean over long silences, or over short ones where no utterance has a long one.
 
     Parameters
     ----------
-    utterances : gives, as often as it is called, the alignment (as for :func:`resting_frames`), the appearance
-        (frames, N) and its rate in Hz of each utterance, so that they need not be held together
+    utterances : returns, each time it is called, an iterable of (:class:`Alignment`, appearance (frames, N), rate in
+        Hz), one item per utterance, so that they need not be in memory together
 
     Raises
     ------
     DataError
-        There is no silence.
+        No utterance has silence.
     """
 
     def silences(**away) -> Iterator[np.ndarray]:
-        return (seen[resting_frames(rows, len(seen), rate, **away)] for rows, seen, rate in utterances())
+        return (values[resting_frames(spoken, len(values), rate, **away)] for spoken, values, rate in utterances())
 
-    # Recordings cut close to the speech hold no long silence.
-    return rest_of(silences() if any(map(len, silences())) else silences(**_CUT_CLOSE))
+    # Recordings that are cut close to the speech have no long silence.
+    return rest_of(silences() if any(map(len, silences())) else silences(**_SHORT_SILENCE))
 
 
 def rest_of(silences: Iterable[np.ndarray]) -> np.ndarray:
-    """The face at rest, (N,) float32: the mean over all frames in which nobody speaks.
+    """The face at rest, (N,) float32: the mean over all frames of silence.
 
     Parameters
     ----------
-    silences : appearance (frames, N) of these frames, one utterance after the other
+    silences : appearance (frames, N) of these frames, one array per utterance
 
     Raises
     ------
@@ -188,7 +190,7 @@ def rest_of(silences: Iterable[np.ndarray]) -> np.ndarray:
         total, count = total + np.asarray(appearance, np.float64).sum(axis=0), count + len(appearance)
     if not count:
         raise DataError(
-            "the training utterances hold no silence to learn the face at rest from; record with a moment of silence "
+            "the training utterances have no silence that shows the face at rest; record with half a second of silence "
             "before and after each sentence."
         )
     return (total / count).astype(np.float32)

@@ -10,11 +10,11 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from visualspeech.errors import DataError
-from visualspeech.features.richer import full_labels
+from visualspeech.features.label_parts import full_labels
 from visualspeech.jobs import log
 from visualspeech.media.spooling import Spool
 from visualspeech.models.network import Network
-from visualspeech.speech.alignment import Alignment, to_table
+from visualspeech.speech.alignment import Alignment
 from visualspeech.speech.phones import SILENCE
 from visualspeech.speech.spoken import Spoken
 from visualspeech.speech.substitutes import substitutes
@@ -121,7 +121,7 @@ def face_of(alignment: Alignment, frames: int, network: Network, rest: np.ndarra
     ----------
     ramp : seconds from the border of a pause to the face at rest
     """
-    labels = full_labels(to_table({"": alignment}), frames, network.rate, network.phones, network.parts)
+    labels = full_labels(alignment, frames, network.rate, network.phones, network.parts)
     weight = pause_weights(alignment, frames, network.rate, ramp)[:, None]
     return ((1 - weight) * network.predict(labels) + weight * rest).astype(np.float32)
 

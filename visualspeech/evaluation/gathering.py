@@ -15,7 +15,7 @@ from visualspeech.evaluation.timings import read_timings
 from visualspeech.face.aam.model import Aam
 from visualspeech.face.aam.modes import mode_pictures
 from visualspeech.face.aam.reference import Reference
-from visualspeech.speech.rows import read_alignment_rows
+from visualspeech.speech.alignment import read_alignments
 from visualspeech.storage import ArrayCollection, ArrayReader, read_table
 
 SPLITS = ("train", "validation", "test")
@@ -31,19 +31,24 @@ def learning_curves(paths: Sequence[str]) -> tuple[Picture, ...]:
 def trajectory_pictures(
     utterances: Sequence[Utterance], features: ArrayCollection, predictions: str, alignments: Sequence[str], count: int
 ) -> tuple[Picture, ...]:
-    """Predicted against true appearance parameters of the first ``count`` test utterances."""
+    """Predicted and true appearance parameters of the first ``count`` test utterances.
+
+    Parameters
+    ----------
+    predictions : path of a model's predictions, in the folder that has the model's name
+    alignments : paths of alignment tables
+    """
     shown = of_split(utterances, "test")[:count]
-    wanted = {one.id for one in shown}
-    rows = {name: found for path in alignments for name, found in read_alignment_rows(path).items() if name in wanted}
+    ids = [one.id for one in shown]
+    aligned = {name: found for path in alignments for name, found in read_alignments(path, ids).items()}
     pictures = []
     with ArrayReader(predictions) as predicted:
         for one in shown:
-            phones = rows[one.id][rows[one.id]["tier"] == "phone"][["label", "start", "end"]]
             png = plots.trajectories(
                 features.array(one.id, "appearance"),
                 {Path(predictions).parent.name: predicted.array(one.id, "appearance")},
                 features.rate(one.id),
-                list(phones.itertuples(index=False, name=None)),
+                [(phone.label, phone.start, phone.end) for phone in aligned[one.id].phones],
                 title=f"{one.id}: {one.transcript}",
             )
             pictures.append(Picture(png, f"Appearance parameters of {one.id}, predicted and recorded"))

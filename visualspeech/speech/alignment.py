@@ -1,83 +1,32 @@
-"""Forced alignment: which word, phone and HMM state is spoken when (PocketSphinx, 100 frames a second)."""
+"""The alignment of an utterance: which word, phone and HMM state is spoken when; and its table files."""
 
-from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, replace
+from collections.abc import Collection, Mapping
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 
-from visualspeech.errors import DataError, RejectedUtterance, SettingError
-from visualspeech.speech.lexicon import Lexicon, Pronunciation
-from visualspeech.speech.phones import CLASSES, SILENCE, STATES
-from visualspeech.speech.recognition import (
-    RATE,
-    STEP,
-    RecognisedPhone,
-    padded,
-    recognise_phones,
-    recognise_words,
-    speech_part,
-)
+from visualspeech.errors import StorageError
+from visualspeech.speech.phones import SILENCE, STATES
 from visualspeech.storage import read_table
+from visualspeech.timing import frame_times, interval_of_frame
 
 TIERS = ("word", "phone", "state")
 COLUMNS = ("id", "tier", "index", "parent", "label", "start", "end")
-NO_SPEECH = "there is no speech in the sound"
-TOO_SHORT = "the words of the transcript do not fit into the sound"
-CHECK = "Check the microphone and the sound track of the recording."
-LISTEN = "Listen to it: correct the transcript to what is said, or leave the utterance out."
-LONGEST = 120.0  # seconds; the memory of the search grows with the square of the length (0.5 GB here)
-HEARD = 0.1  # least share of the sound's frames that sound like some phone
-_SHORTEST = 0.002  # seconds of a state that is cut off by the beginning or end of the sound
-_OUTSIDE = 0.05  # seconds that the first and last phone may lie outside of it
-_DIGITS = 5  # of times in seconds
+_NUMBERS = COLUMNS[2:4] + COLUMNS[5:]
+_TOLERANCE = 1e-4  # seconds between the end of a segment and the start of the next that are no gap
 
 
-@dataclass(frozen=True)
-class AlignmentSettings:
-    """Parameters of the alignment and of its refusal. Scores are in the decoder's units a frame.
+@dataclass(frozen=True, slots=True)
+class Segment:
+    """One interval of a tier.
 
     Parameters
     ----------
-    speech_level, margin : what is taken for speech and how much around it, see :func:`speech_part`
-    padding : seconds of quiet noise put before and after, so that the sound may begin and end with speech
-    noise : amplitude of that noise, root mean square in 16-bit steps
-    pause : probability of a pause between two words
-    shortest_pause : seconds; what is shorter is no pause but the closure of the stop after it, or the end of the word
-    mismatch : how much worse than any sequence of phones the transcript may explain the sound
-    word_mismatch : the same for the worst word
-    hasty : share of phones of the shortest possible length (3 frames), at most; words squeezed in beside noise are such
+    label : word, phone, or number of the state
+    start, end : seconds
+    parent : index of the segment of the tier above that it belongs to; -1: none
     """
-
-    speech_level: float = 0.3
-    margin: float = 0.1
-    padding: float = 0.2
-    noise: float = 5.0
-    pause: float = 0.05
-    shortest_pause: float = 0.1
-    mismatch: float = 40.0
-    word_mismatch: float = 110.0
-    hasty: float = 0.55
-
-    def __post_init__(self) -> None:
-        for name, limit in (
-            ("speech_level", 1),
-            ("margin", 60),
-            ("padding", 60),
-            ("noise", 1000),
-            ("pause", 1),
-            ("shortest_pause", 60),
-        ):
-            if not 0 <= getattr(self, name) <= limit:
-                raise SettingError(f"alignment.{name} is {getattr(self, name)}; give a number from 0 to {limit}.")
-        for name in ("mismatch", "word_mismatch", "hasty"):
-            if not getattr(self, name) > 0:
-                raise SettingError(f"alignment.{name} is {getattr(self, name)}; give a number above 0.")
-
-
-@dataclass(frozen=True)
-class Segment:
-    """One interval of a tier: label, start and end in seconds, index of the interval of the tier above (-1: none)."""
 
     label: str
     start: float
@@ -87,18 +36,18 @@ class Segment:
 
 @dataclass(frozen=True)
 class Alignment:
-    """Words, phones and states of one utterance; each tier follows without a gap from 0 to the utterance's end.
+    """Words, phones and HMM states of one utterance; each tier covers it from 0 s to its end without gaps.
 
     Parameters
     ----------
-    words, phones, states : the three tiers; pauses are "sil", states "1" to "3"
-    guessed : (word, pronunciation) of the words that the dictionary does not list, as they were aligned
+    words, phones, states : the tiers; a pause is labelled "sil", the states of a phone "1" to "3"
+    guessed : (word, pronunciation) of each word that the dictionary does not list, as it was aligned
     """
 
     words: tuple[Segment, ...]
     phones: tuple[Segment, ...]
     states: tuple[Segment, ...]
-    guessed: tuple[tuple[str, Pronunciation], ...] = ()
+    guessed: tuple[tuple[str, tuple[str, ...]], ...] = ()
 
     @property
     def duration(self) -> float:
@@ -106,246 +55,28 @@ class Alignment:
         return self.words[-1].end
 
     def tier(self, name: str) -> tuple[Segment, ...]:
-        """Intervals of the tier ``word``, ``phone`` or ``state``."""
+        """Segments of the tier ``word``, ``phone`` or ``state``."""
         return {"word": self.words, "phone": self.phones, "state": self.states}[name]
 
 
-class Aligner:
-    """Aligns utterances; the answer to one does not depend on those before it (each has a decoder of its own)."""
-
-    def __init__(self, settings: AlignmentSettings | None = None, lexicon: Lexicon | None = None) -> None:
-        self.settings = settings or AlignmentSettings()
-        self.lexicon = lexicon or Lexicon()
-
-    def align(self, samples: np.ndarray, transcript: str) -> Alignment:
-        """Align one utterance, see :func:`align`."""
-        return align(samples, transcript, self.lexicon, self.settings)
+def starts_of(segments: tuple[Segment, ...]) -> np.ndarray:
+    """Starts of the segments of a tier in seconds, (n,) float64."""
+    return np.array([one.start for one in segments], np.float64)
 
 
-def align(
-    samples: np.ndarray, transcript: str, lexicon: Lexicon | None = None, settings: AlignmentSettings | None = None
-) -> Alignment:
-    """Align the sound of one utterance with what is said in it.
+def silent_frames(alignment: Alignment, frames: int, rate: float) -> np.ndarray:
+    """Frames without speech, (frames,) bool: those whose time lies in a pause of the phone tier.
 
     Parameters
     ----------
-    samples : (n,) int16, mono, 16 kHz
-    transcript : as written
-
-    Raises
-    ------
-    RejectedUtterance
-        There is nothing to align, a word cannot be pronounced, or the sound is not this transcript's.
+    frames, rate : number of frames and frame rate in Hz of the visual stream
     """
-    settings = settings or AlignmentSettings()
-    samples = np.ascontiguousarray(samples)
-    if samples.dtype != np.int16 or samples.ndim != 1:
-        raise DataError(f"speech must be int16 of shape (n,), not {samples.dtype} of shape {samples.shape}")
-    if len(samples) > LONGEST * RATE:
-        raise RejectedUtterance(
-            f"{len(samples) / RATE:.0f} s are too long for one utterance (limit {LONGEST:.0f} s)",
-            "Cut it into sentences: files of their own, or rows of a table with start and end.",
-        )
-    if not np.any(samples):
-        raise RejectedUtterance(NO_SPEECH, CHECK)
-    return align_words(samples, pronounced(transcript, lexicon or Lexicon()), settings)
-
-
-@dataclass(frozen=True)
-class Pronounced:
-    """Words to be aligned.
-
-    Parameters
-    ----------
-    words : in their order, in lower case
-    pronunciations : of each word
-    guessed : (word, pronunciation) of the words that the dictionary does not list
-    """
-
-    words: tuple[str, ...]
-    pronunciations: Mapping[str, tuple[Pronunciation, ...]]
-    guessed: tuple[tuple[str, Pronunciation], ...] = ()
-
-    def part(self, first: int, last: int) -> "Pronounced":
-        """Some of the words, one after the other."""
-        words = self.words[first:last]
-        pronunciations = {word: self.pronunciations[word] for word in dict.fromkeys(words)}
-        return Pronounced(words, pronunciations, tuple(pair for pair in self.guessed if pair[0] in pronunciations))
-
-
-def align_words(samples: np.ndarray, spoken: Pronounced, settings: AlignmentSettings) -> Alignment:
-    """Align the sound of one utterance (n,) int16, mono, 16 kHz, with its words, see :func:`align`."""
-    start, end = speech_part(samples, settings.speech_level, settings.margin)
-    words = list(spoken.words)
-    # The second way sees all of the sound, in case the judgement by loudness cut something off.
-    for first, last, padding in ((start, end, settings.padding), (0, len(samples), 2 * settings.padding)):
-        sound = padded(samples[first:last], padding, settings.noise)
-        phones = recognise_words(sound, words, spoken.pronunciations, settings.pause)
-        objection = _objection(phones, sound, words, settings)
-        if objection is None:
-            phones = _without_closures(_moved(phones, first / RATE - round(padding * RATE) / RATE), settings)
-            phones = _placed(phones, len(samples) / RATE)
-            if phones is not None:
-                return _assembled(phones, words, spoken.guessed)
-            objection = RejectedUtterance(TOO_SHORT, LISTEN)
-    raise objection
-
-
-def _objection(phones, sound, words, settings) -> RejectedUtterance | None:
-    """What speaks against taking these phones for the sound's."""
-    free = recognise_phones(sound)
-    if _heard(free) < HEARD * len(sound) / STEP:
-        return RejectedUtterance(NO_SPEECH, CHECK)
-    if phones is None:
-        return RejectedUtterance(TOO_SHORT, LISTEN)
-    spoken = [phone for phone in phones if phone.word != -1]
-    shortest = np.mean([phone.frames <= STATES for phone in spoken])
-    overall, each = mismatch(phones, free)
-    worst = int(np.argmax(each))
-    if overall > settings.mismatch or shortest > settings.hasty:
-        return RejectedUtterance(
-            f"the transcript is not what is said (mismatch {overall:.0f}, limit {settings.mismatch:g}; "
-            f"{shortest:.0%} of its phones are too short, limit {settings.hasty:.0%})",
-            LISTEN,
-        )
-    if each[worst] > settings.word_mismatch:
-        return RejectedUtterance(
-            f"the word {words[worst]!r} of the transcript is not said "
-            f"(mismatch {each[worst]:.0f}, limit {settings.word_mismatch:g})",
-            LISTEN,
-        )
-    return None
-
-
-def has_speech(samples: np.ndarray) -> bool:
-    """Whether sound (n,) int16, mono, 16 kHz, is like phones for a while."""
-    return bool(np.any(samples)) and _heard(recognise_phones(samples)) >= HEARD * len(samples) / STEP
-
-
-def _heard(free: list[RecognisedPhone]) -> int:
-    return sum(phone.frames for phone in free if phone.word != -1)
-
-
-def mismatch(phones: list[RecognisedPhone], free: list[RecognisedPhone]) -> tuple[float, np.ndarray]:
-    """How much better any sequence of phones explains a sound than the phones of a transcript.
-
-    Parameters
-    ----------
-    phones : of the transcript
-    free : of the same sound, without the transcript
-
-    Returns
-    -------
-    difference of the log scores of the whole sound, a frame of speech, and the mean difference within each word
-    """
-    given, best = _frame_scores(phones), _frame_scores(free)
-    length = min(len(given), len(best))
-    difference = best[:length] - given[:length]
-    words = np.repeat([phone.word for phone in phones], [phone.frames for phone in phones])[:length]
-    each = [difference[words == k].mean() for k in range(max(words) + 1)]
-    return float(difference.sum() / np.sum(words != -1)), np.array(each)
-
-
-def _frame_scores(phones: list[RecognisedPhone]) -> np.ndarray:
-    return np.repeat([phone.score for phone in phones], [phone.frames for phone in phones])
-
-
-def pronounced(transcript: str, lexicon: Lexicon) -> Pronounced:
-    """Words of a transcript with their pronunciations.
-
-    Raises
-    ------
-    RejectedUtterance
-        There is no word, or one that cannot be pronounced.
-    """
-    words = lexicon.words(transcript)
-    if not words:
-        raise RejectedUtterance("the transcript is empty", "Write down what is said in the recording.")
-    unknown = [word for word in dict.fromkeys(words) if word not in lexicon]
-    found = lexicon.guess(unknown) if unknown else {}
-    mute = [word for word in unknown if not found[word]]
-    if mute:
-        raise RejectedUtterance(
-            f"no pronunciation for {', '.join(map(repr, mute))}", "Write the transcript in English words."
-        )
-    pronunciations = {word: found.get(word) or lexicon.pronunciations(word) for word in dict.fromkeys(words)}
-    return Pronounced(tuple(words), pronunciations, tuple((word, found[word][0]) for word in unknown))
-
-
-def _moved(phones: list[RecognisedPhone], shift: float) -> list[RecognisedPhone]:
-    """Phones moved by ``shift`` seconds, pauses that follow each other joined."""
-    moved: list[RecognisedPhone] = []
-    for phone in phones:
-        borders = tuple(border + shift for border in phone.borders)
-        if moved and moved[-1].word == phone.word == -1:
-            borders = (moved.pop().borders[0], borders[-1])
-        moved.append(replace(phone, borders=borders))
-    return moved
-
-
-def _without_closures(phones: list[RecognisedPhone], settings: AlignmentSettings) -> list[RecognisedPhone]:
-    """Give too short pauses between words to the stop after them, whose closure they are, or to the word before."""
-    kept = list(phones)
-    for i in range(len(phones) - 2, 0, -1):
-        start, end = phones[i].borders[0], phones[i].borders[-1]
-        if phones[i].word != -1 or end - start >= settings.shortest_pause:
-            continue
-        if kept[i + 1].label in CLASSES["stop"] | CLASSES["affricate"]:
-            kept[i + 1] = replace(kept[i + 1], borders=(start, *kept[i + 1].borders[1:]))
-        else:
-            kept[i - 1] = replace(kept[i - 1], borders=(*kept[i - 1].borders[:-1], end))
-        del kept[i]
-    return kept
-
-
-def _placed(phones: list[RecognisedPhone], duration: float) -> list[RecognisedPhone] | None:
-    """Phones that follow each other from 0 to ``duration``, pauses of three equal states.
-
-    The borders inside a pause mean nothing, and joining and cutting pauses would leave some without all three states.
-    The closure of a stop that opens a recording may reach into the padding: its states keep ``_SHORTEST`` seconds.
-    None where more speech than that lies outside the sound.
-    """
-    inside = [one for one in phones if one.word != -1 or (one.borders[-1] > 0 and one.borders[0] < duration)]
-    flat = np.array([*(border for phone in inside for border in phone.borders[:-1]), inside[-1].borders[-1]])
-    if inside[0].borders[-1] < -_OUTSIDE or inside[-1].borders[0] > duration + _OUTSIDE:
-        return None
-    least = _SHORTEST * np.arange(len(flat))
-    if least[-1] > duration:
-        return None
-    flat = np.clip(flat, least, duration - least[::-1])
-    flat[0], flat[-1] = 0.0, duration
-    cut, first = [], 0
-    for phone in inside:
-        last = first + len(phone.borders) - 1
-        pause = phone.word == -1
-        borders = np.linspace(flat[first], flat[last], STATES + 1) if pause else flat[first : last + 1]
-        cut.append(replace(phone, borders=tuple(borders.tolist())))
-        first = last
-    return cut
-
-
-def _assembled(recognised: list[RecognisedPhone], spoken: list[str], guessed) -> Alignment:
-    words: list[Segment] = []
-    phones: list[Segment] = []
-    states: list[Segment] = []
-    previous = None
-    for phone in recognised:
-        start, *inner, end = (round(border, _DIGITS) for border in phone.borders)
-        if phone.word == previous != -1:
-            words[-1] = Segment(words[-1].label, words[-1].start, end)
-        else:
-            words.append(Segment(SILENCE if phone.word == -1 else spoken[phone.word], start, end))
-        previous = phone.word
-        borders = [start, *inner, end]
-        states += [
-            Segment(str(k + 1), *pair, len(phones)) for k, pair in enumerate(zip(borders, borders[1:], strict=False))
-        ]
-        phones.append(Segment(phone.label, start, end, len(words) - 1))
-    return Alignment(tuple(words), tuple(phones), tuple(states), guessed)
+    silent = np.array([one.label == SILENCE for one in alignment.phones])
+    return silent[interval_of_frame(starts_of(alignment.phones), frame_times(frames, rate))]
 
 
 def to_table(alignments: Mapping[str, Alignment]):
-    """Alignments by utterance as a data frame: id, tier, index, parent, label, start, end (seconds)."""
+    """Alignments by utterance as a data frame with the columns id, tier, index, parent, label, start, end (seconds)."""
     import pandas
 
     rows = [
@@ -357,33 +88,89 @@ def to_table(alignments: Mapping[str, Alignment]):
     return pandas.DataFrame(rows, columns=list(COLUMNS))
 
 
-def from_table(table, utterance_id: str) -> Alignment:
-    """The alignment of one utterance out of such a table.
+def read_alignments(path: str | Path, ids: Collection[str] | None = None) -> dict[str, Alignment]:
+    """Alignments in a table file by utterance, in the order of the file.
+
+    Parameters
+    ----------
+    path : TSV file, as :func:`to_table` lays it out; the rows of a tier may be in any order
+    ids : utterances to read, None for all; one that is not in the file is left out
 
     Raises
     ------
-    DataError
-        The table does not hold the utterance.
+    StorageError
+        The file is missing, or holds a row that is no part of an alignment; the message names the file and the line.
     """
-    rows = table[table["id"] == utterance_id]
-    if not len(rows):
-        raise DataError(f"the alignment table holds no utterance {utterance_id}")
-    return _of_rows(rows)
+    import pandas
 
-
-def read_alignments(path: str | Path) -> Iterator[tuple[str, Alignment]]:
-    """Yield (utterance id, alignment) of a table file, in its order."""
     table = read_table(path, ("id", "tier", "label"))
-    for name, rows in table.groupby("id", sort=False):
-        yield str(name), _of_rows(rows)
-
-
-def _of_rows(rows) -> Alignment:
-    tiers = {
-        tier: tuple(
-            Segment(str(label), float(start), float(end), int(parent))
-            for label, start, end, parent in part[["label", "start", "end", "parent"]].itertuples(index=False)
-        )
-        for tier, part in rows.groupby("tier", sort=False)
+    if missing := [name for name in COLUMNS if name not in table.columns]:
+        raise _unreadable(path, f"it has no column {', '.join(missing)}")
+    table = table.assign(line=np.arange(2, len(table) + 2))  # line 1 holds the names of the columns
+    if ids is not None:
+        table = table[table["id"].isin(list(ids))]
+    table = table.assign(**{name: pandas.to_numeric(table[name], errors="coerce") for name in _NUMBERS})
+    owners, names = pandas.factorize(table["id"])
+    tiers = table["tier"].map({tier: number for number, tier in enumerate(TIERS)}).fillna(-1).to_numpy(int)
+    order = np.lexsort((table["index"].to_numpy(float), tiers, owners))
+    table, group = table.iloc[order], (len(TIERS) * owners + tiers)[order]
+    _check_values(path, table)
+    counts = np.bincount(group, minlength=len(TIERS) * len(names))
+    for number in np.flatnonzero(counts == 0)[:1]:
+        owner, tier = divmod(int(number), len(TIERS))
+        raise _unreadable(path, f"utterance {names[owner]} has no segment of the tier {TIERS[tier]}")
+    ends = np.cumsum(counts)
+    _check_structure(path, table, group, counts, ends - counts)
+    parents = table["parent"].astype(int)
+    columns = (table["label"], table["start"].astype(float), table["end"].astype(float), parents)
+    segments = [Segment(*row) for row in zip(*(column.tolist() for column in columns), strict=True)]
+    tier_of = [tuple(segments[end - count : end]) for count, end in zip(counts.tolist(), ends.tolist(), strict=True)]
+    return {
+        str(name): Alignment(*tier_of[len(TIERS) * number : len(TIERS) * (number + 1)])
+        for number, name in enumerate(names)
     }
-    return Alignment(*(tiers[tier] for tier in TIERS))
+
+
+def _check_values(path, table) -> None:
+    """Refuse rows that are wrong by themselves."""
+    numbers = table[list(_NUMBERS)].to_numpy(float)
+    whole = table[["index", "parent"]].to_numpy(float)
+    state = (table["tier"] == "state").to_numpy()
+    number = table["label"].isin([str(1 + number) for number in range(STATES)]).to_numpy()
+    _refuse(path, table, ~table["tier"].isin(TIERS).to_numpy(), f"the tier must be one of {', '.join(TIERS)}")
+    _refuse(path, table, ~np.isfinite(numbers).all(axis=1), "index, parent, start and end must be numbers")
+    _refuse(path, table, (whole != np.floor(whole)).any(axis=1), "index and parent must be whole numbers")
+    _refuse(path, table, numbers[:, 3] < numbers[:, 2], "the segment ends before it starts")
+    _refuse(path, table, state & ~number, f"the label of a state must be a number from 1 to {STATES}")
+
+
+def _check_structure(path, table, group: np.ndarray, counts: np.ndarray, firsts: np.ndarray) -> None:
+    """Refuse rows that do not fit the others: rows sorted by utterance, tier and index.
+
+    Parameters
+    ----------
+    group : (R,) number of the utterance's tier that a row belongs to
+    counts, firsts : rows of each group, and the number of its first row
+    """
+    position = np.arange(len(group)) - firsts[group]
+    parent = table["parent"].to_numpy(float)
+    word = group % len(TIERS) == 0
+    above = np.where(word, 0, counts[group - 1])
+    start, end = table["start"].to_numpy(float), table["end"].to_numpy(float)
+    apart = np.zeros(len(group), bool)
+    apart[1:] = (position[1:] > 0) & (np.abs(start[1:] - end[:-1]) > _TOLERANCE)
+    _refuse(path, table, table["index"].to_numpy(float) != position, "the index must number the segments of its tier")
+    _refuse(path, table, (parent < -word.astype(int)) | (parent >= above), "the parent is no segment of the tier above")
+    _refuse(path, table, apart, "the segment does not start where the one before it ends")
+
+
+def _refuse(path, table, bad: np.ndarray, reason: str) -> None:
+    for at in np.flatnonzero(bad)[:1]:
+        row = table.iloc[at]
+        raise _unreadable(path, f"line {row['line']} (utterance {row['id']}, tier {row['tier']}): {reason}")
+
+
+def _unreadable(path, reason: str) -> StorageError:
+    return StorageError(
+        f"cannot read the alignments in {path}: {reason}. Delete the file and run again to make it anew."
+    )

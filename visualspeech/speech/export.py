@@ -5,6 +5,7 @@ from pathlib import Path
 
 from visualspeech.errors import SettingError
 from visualspeech.speech.alignment import TIERS, Alignment, Segment
+from visualspeech.speech.phones import SILENCE
 from visualspeech.storage import replacing, write_text
 
 TICKS = 10_000_000  # HTK's units of 100 ns a second
@@ -44,7 +45,7 @@ def write_hts_labels(path: str | Path, alignment: Alignment) -> None:
     """
     phones = alignment.phones
     labels = [one.label for one in phones]
-    around = ["sil", *labels, "sil"]
+    around = [SILENCE, *labels, SILENCE]
     rows, previous = [], -1
     for state in alignment.states:
         at = state.parent

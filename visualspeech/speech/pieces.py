@@ -10,16 +10,15 @@ from collections.abc import Iterable, Iterator
 import numpy as np
 
 from visualspeech.errors import RejectedUtterance
-from visualspeech.speech.alignment import (
+from visualspeech.speech.alignment import Alignment, Segment
+from visualspeech.speech.forced_alignment import (
     CHECK,
-    HEARD,
     LISTEN,
+    MIN_SPEECH,
     NO_SPEECH,
     TOO_SHORT,
-    Alignment,
     AlignmentSettings,
     Pronounced,
-    Segment,
     align_words,
     has_speech,
 )
@@ -58,20 +57,20 @@ def align_pieces(
     word = 0  # the first that is not aligned yet
     while True:
         last, samples, begin = held.fill(), held.samples, held.begin
-        length, words = len(samples), spoken.part(word, len(spoken.words))
+        length, words = len(samples), spoken.slice(word, len(spoken.words))
         if not last:
             window = samples[: round(WINDOW * RATE)]
-            words = spoken.part(word, word + round(_FASTEST * WINDOW))
+            words = spoken.slice(word, word + round(_FASTEST * WINDOW))
             until, count = _cut(recognise(window, words, settings))
             length = _at_border(begin, until, rate)
-            words = words.part(0, count)
+            words = words.slice(0, count)
         try:
             alignment = _aligned(samples[:length], words, settings)
         except RejectedUtterance as error:
             if last and not begin:
                 raise
             if error.reason == NO_SPEECH and not last:
-                words, alignment = words.part(0, 0), _silence(length)
+                words, alignment = words.slice(0, 0), _silence(length)
             else:
                 place = f"from {_clock(begin)} to {_clock(begin + length)}"
                 reason = error.reason
@@ -117,7 +116,7 @@ def recognised_pieces(
             until = length / RATE
             phones = [(label, start, min(end, until)) for label, start, end in phones if start < until]
         heard += sum(end - start for label, start, end in phones if label != SILENCE)
-        if last and heard < HEARD * (begin + length) / RATE:
+        if last and heard < MIN_SPEECH * (begin + length) / RATE:
             raise RejectedUtterance(NO_SPEECH, CHECK)
         yield begin + length, phones
         if last:

@@ -44,6 +44,11 @@ class RecognisedPhone:
         return round((self.borders[-1] - self.borders[0]) * RATE / STEP)
 
 
+def to_int16(samples: np.ndarray) -> np.ndarray:
+    """Samples (n,) in [-1, 1] in 16-bit steps, int16; larger values are clipped."""
+    return np.round(np.clip(samples, -1, 1) * 32767).astype(np.int16)
+
+
 def speech_part(samples: np.ndarray, level: float, margin: float) -> tuple[int, int]:
     """First and last sample (exclusive) of the part that holds the speech, judged by loudness.
 

@@ -1,10 +1,10 @@
-"""What a talking head is to say: sound, and which state of which phone is spoken when.
+"""What a talking head says: sound, with its alignment.
 
-From a text the times are those of the voice itself, a by-product of the synthesis (Fan 2015, 4.1). The voice knows
-phones and not the three states that models are trained with, so a phone is shared out among them in the proportions
-that its states have on average in the alignment of the training data, or in thirds where these are not known; pauses
-always in thirds, as the alignment has them. From a recording, the times are those of a forced alignment, or
-of the phones that are recognised where its words are not known.
+For a text, the phone times are those of the synthesised voice, a by-product of the synthesis (Fan 2015, 4.1). The voice
+gives phones and not the three HMM states that models are trained with, so each phone is divided among its states in
+their average proportions in the alignment of the training data, or in thirds where these are not known; pauses are
+always divided in thirds, as in the alignment. For a recording, the times are those of a forced alignment, or of
+recognised phones where the transcript is not known.
 """
 
 from collections.abc import Iterable, Iterator, Mapping
@@ -17,15 +17,16 @@ import numpy as np
 from visualspeech.errors import SettingError
 from visualspeech.media.reading import stream_audio
 from visualspeech.speech import tts
-from visualspeech.speech.alignment import RATE as ALIGNED_AT
-from visualspeech.speech.alignment import Alignment, AlignmentSettings, Segment, pronounced
+from visualspeech.speech.alignment import Alignment, Segment
+from visualspeech.speech.forced_alignment import AlignmentSettings, pronounced
 from visualspeech.speech.lexicon import Lexicon
 from visualspeech.speech.phones import SILENCE, STATES
 from visualspeech.speech.pieces import align_pieces, recognised_pieces
+from visualspeech.speech.recognition import RATE, to_int16
 from visualspeech.speech.sentences import split_sentences
 
 THIRDS = (1 / STATES,) * STATES
-SOUND_RATE = 48000  # Hz, of the sound of a recording as it is given out
+SOUND_RATE = 48000  # Hz, of the sound of a recording in a video
 
 
 @dataclass(frozen=True)
@@ -80,7 +81,7 @@ def speak_text(
     Parameters
     ----------
     text : as written
-    shares : of a phone, the share of its time that each of its three states takes
+    shares : share of a phone's duration that each of its three states takes, by phone
 
     Raises
     ------
@@ -107,61 +108,48 @@ def speak_recording(
     settings: AlignmentSettings | None = None,
     shares: Mapping[str, Iterable[float]] | None = None,
 ) -> Iterator[Spoken]:
-    """A recording of somebody's speech (a sound or video file), aligned with what is said in it, piece by piece.
+    """Recorded speech (a sound or video file) with its alignment, piece by piece.
 
-    Without a transcript the phones are those that the decoder hears. Memory does not grow with the length. The
-    transcript is the text of the first piece, and the others have none.
+    Without a transcript the phones are those that the decoder recognises. Memory does not grow with the duration. The
+    first piece carries the whole transcript as its text; the text of the others is empty.
 
     Parameters
     ----------
-    transcript : what is said; None where that is not known
-    rate : of the frames that are to be shown, in Hz; pieces end with a frame, so that they join without a gap
-    shares : of a phone, the share of its time that each of its three states takes; for phones without a transcript
+    transcript : what is said; None where it is not known
+    rate : frame rate of the video in Hz; pieces end at frame borders, so that they join without gaps
+    shares : share of a phone's duration that each of its three states takes, by phone; used without a transcript
 
     Raises
     ------
     SettingError
         The transcript is empty (before anything is read).
     RejectedUtterance
-        The file cannot be read, nobody speaks in it, or the words are not in the sound.
+        The file cannot be read, there is no speech in it, or the transcript is not what is said.
     """
     if transcript is not None and not transcript.strip():
         raise SettingError(f"the text of {path} is empty; give what is said in it, or leave --text out.")
     words = None if transcript is None else pronounced(transcript, lexicon or Lexicon())
-    heard = (_sixteen_bit(part) for part in stream_audio(path, ALIGNED_AT))
+    heard = (to_int16(part) for part in stream_audio(path, RATE))
     given, held, done, text = stream_audio(path, SOUND_RATE), np.zeros(0, np.float32), 0, transcript or ""
     if words is None:
         found = ((end, timed(phones, (), shares)) for end, phones in recognised_pieces(heard, rate, settings))
     else:
         found = align_pieces(heard, words, settings, rate)
     for end, alignment in found:
-        count = round(round(end / ALIGNED_AT * rate) / rate * SOUND_RATE) - done
+        count = round(round(end / RATE * rate) / rate * SOUND_RATE) - done
         while len(held) < count and (more := next(given, None)) is not None:
             held = np.concatenate([held, more])
         yield Spoken(text, held[:count], SOUND_RATE, alignment)
         held, done, text = held[count:], done + count, ""
 
 
-def _sixteen_bit(samples: np.ndarray) -> np.ndarray:
-    return np.clip(np.rint(samples.astype(np.float64) * 32767), -32768, 32767).astype(np.int16)
-
-
-def state_shares(tables: Iterable) -> dict[str, tuple[float, ...]]:
-    """Average share of a phone's time that each of its three states takes, by phone.
-
-    Parameters
-    ----------
-    tables : alignment tables (data frames with the columns id, tier, index, parent, label, start, end), read one at
-        a time
-    """
+def state_shares(alignments: Iterable[Alignment]) -> dict[str, tuple[float, ...]]:
+    """Average share of a phone's duration that each of its three states takes, by phone; a third in pauses."""
     totals: dict[str, np.ndarray] = {}
-    for table in tables:
-        phones = table[table["tier"] == "phone"].set_index(["id", "index"])["label"]
-        states = table[table["tier"] == "state"]
-        owners = phones.loc[list(zip(states["id"], states["parent"], strict=True))].to_numpy()
-        lengths = (states["end"] - states["start"]).to_numpy(float)
-        for phone, state, length in zip(owners, states["label"].astype(int), lengths, strict=True):
-            totals.setdefault(phone, np.zeros(STATES))[state - 1] += length
+    for alignment in alignments:
+        for state in alignment.states:
+            phone = alignment.phones[state.parent].label
+            totals.setdefault(phone, np.zeros(STATES))[int(state.label) - 1] += state.end - state.start
     return {
         phone: THIRDS if phone == SILENCE else tuple((spent / spent.sum()).tolist())
         for phone, spent in sorted(totals.items())
@@ -174,9 +162,9 @@ def timed(
     words: Iterable[tuple[str, float, float]] = (),
     shares: Mapping[str, Iterable[float]] | None = None,
 ) -> Alignment:
-    """An alignment of phones with times (label, start, end): one word tier, and three states a phone.
+    """An alignment from phones and words with times (label, start, end in seconds), with three states per phone.
 
-    Phones follow each other without a gap from 0 seconds on; a phone belongs to the word that its middle lies in.
+    Phones follow each other without gaps from 0 s on; a phone belongs to the word in which its middle lies.
     """
     tiers: tuple[list[Segment], ...] = ([], [], [])
     spoken, before = list(words), None

@@ -16,9 +16,9 @@ import numpy as np
 
 from visualspeech.errors import SettingError, VisualSpeechError
 from visualspeech.speech import espeak
+from visualspeech.speech.phones import SILENCE
 
 VOICE = "en-us"
-SILENCE = "sil"
 
 # eSpeak NG's mnemonics of its American voice. "r" after a vowel that already ends in one is not said twice: see _merge.
 _ARPABET = {

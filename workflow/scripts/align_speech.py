@@ -4,7 +4,8 @@ from visualspeech.corpora.findings import rejection, write_findings
 from visualspeech.corpora.table import read_utterances
 from visualspeech.errors import RejectedUtterance
 from visualspeech.jobs import job, progress
-from visualspeech.speech.alignment import Aligner, AlignmentSettings, to_table
+from visualspeech.speech.alignment import to_table
+from visualspeech.speech.forced_alignment import Aligner, AlignmentSettings
 from visualspeech.storage import ArrayReader, write_table
 
 with job(snakemake.log[0]), ArrayReader(snakemake.input.audio) as audio:

@@ -11,7 +11,7 @@ from visualspeech.face.pose import Pose
 from visualspeech.features.labels import read_phones
 from visualspeech.jobs import job, log
 from visualspeech.media.reading import read_frames
-from visualspeech.speech.rows import read_alignment_rows, read_alignment_table
+from visualspeech.speech.alignment import read_alignments
 from visualspeech.speech.spoken import state_shares
 from visualspeech.storage import ArrayCollection, replacing
 
@@ -47,13 +47,11 @@ with (
     )  # fmt: skip
     write_background(folder / FILES["background"], clips)
     ids = {one.id for one in training}
-
-    def aligned():
-        for path in source.alignment:
-            for name, rows in read_alignment_rows(path).items():
-                if name in ids:
-                    yield rows, parameters.array(name, "appearance"), parameters.rate(name)
-
-    tables = (table[table["id"].isin(ids)] for table in map(read_alignment_table, source.alignment))
-    shares, phones = state_shares(tables), read_phones(source.phones)
-    describe_bundle(folder, phones, shares, resting_face(aligned), model=snakemake.wildcards.model, **names)
+    aligned = {name: found for path in source.alignment for name, found in read_alignments(path, ids).items()}
+    rest = resting_face(
+        lambda: (
+            (found, parameters.array(name, "appearance"), parameters.rate(name)) for name, found in aligned.items()
+        )
+    )
+    shares, phones = state_shares(aligned.values()), read_phones(source.phones)
+    describe_bundle(folder, phones, shares, rest, model=snakemake.wildcards.model, **names)

@@ -19,7 +19,7 @@ with (
         folder.mkdir()
     for table, sound in zip(snakemake.input.tables, snakemake.input.audio, strict=True):
         with ArrayReader(sound) as audio:
-            for one, alignment in read_alignments(table):
+            for one, alignment in read_alignments(table).items():
                 soundfile.write(Path(grids, f"{one}.wav"), audio.array(one, "samples"), int(audio.rate(one)))
                 write_textgrid(Path(grids, f"{one}.TextGrid"), alignment)
                 write_htk_labels(Path(htk, f"{one}.lab"), alignment)

@@ -9,7 +9,7 @@ from visualspeech.face.drift import DriftSettings, reference_of
 from visualspeech.face.pose import HeadModel, Pose
 from visualspeech.jobs import job, log, progress
 from visualspeech.media.reading import read_frames
-from visualspeech.speech.rows import read_alignment_rows, silent_frames
+from visualspeech.speech.alignment import read_alignments, silent_frames
 from visualspeech.storage import ArrayReader, ArrayWriter
 
 UNITS = {"points": "px of the recorded picture", "shape": "px of the frontal picture", "error": "grey levels"}
@@ -24,7 +24,7 @@ with (
 ):
     aam, reference, head = Aam.load(source.aam), Reference.load(source.reference), HeadModel.load(source.head)
     model = FittingModel.of_aam(aam, reference, FittingSettings(**settings.fitting))
-    drift, alignments = DriftSettings(**settings.drift), read_alignment_rows(source.alignment)
+    drift, alignments = DriftSettings(**settings.drift), read_alignments(source.alignment)
     utterances = [one for one in read_utterances(source.utterances) if one.id in tracked]
     for one in progress(utterances, len(utterances), "utterances"):
         turned = Pose(pose.array(one.id, "rotation"), pose.array(one.id, "translation"))

@@ -6,7 +6,7 @@ from visualspeech.face.aam.reference import Reference, sample_textures
 from visualspeech.face.drift import DriftSettings, reference_of
 from visualspeech.jobs import job, progress
 from visualspeech.media.reading import read_frames
-from visualspeech.speech.rows import read_alignment_rows, silent_frames
+from visualspeech.speech.alignment import read_alignments, silent_frames
 from visualspeech.storage import ArrayReader, ArrayWriter
 
 UNITS = {"shape": "px of the frontal picture", "texture": "grey levels"}
@@ -19,7 +19,7 @@ with (
 ):
     reference = Reference.load(snakemake.input.reference)
     settings = DriftSettings(**snakemake.params.drift)
-    alignments = read_alignment_rows(snakemake.input.alignment)
+    alignments = read_alignments(snakemake.input.alignment)
     utterances = [one for one in read_utterances(snakemake.input.utterances) if one.id in pose]
     for one in progress(utterances, len(utterances), "utterances"):
         points, rate = lower_face(landmarks.array(one.id, "points")), pose.rate(one.id)

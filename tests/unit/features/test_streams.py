@@ -3,10 +3,10 @@
 import numpy as np
 import pandas
 import pytest
+from visualspeech.speech.rows import silent_frames
 
 from visualspeech.errors import SettingError
 from visualspeech.features.streams import FeatureSettings, feature_streams
-from visualspeech.speech.rows import silent_frames
 
 ROWS = pandas.DataFrame(
     [("phone", 0, -1, "sil", 0.0, 0.4), ("phone", 1, -1, "aa", 0.4, 1.0)]

@@ -11,10 +11,10 @@ from visualspeech.corpora.demo.articulation import PARAMETERS
 from visualspeech.corpora.records import Utterance
 from visualspeech.errors import SettingError
 from visualspeech.jobs import progress
+from visualspeech.speech.phones import SILENCE
 from visualspeech.storage import ArrayReader, ArrayWriter, write_text
 from visualspeech.timing import frame_times, frames_in
 
-SILENCE = "sil"
 CONSENT = (
     "The face is nobody's: made by rule from a public-domain photograph and no longer that person's; "
     "the voice is synthetic. Free to use."

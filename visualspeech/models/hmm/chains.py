@@ -1,12 +1,12 @@
-"""Left-to-right chains of states inside phones whose boundaries are known: expected states, and states by duration."""
+"""Left-to-right state sequences inside phones with known boundaries: by forward-backward, and by state durations."""
 
 import numpy as np
 
 
 def even_states(lengths: np.ndarray, states: int) -> np.ndarray:
-    """State of every frame when each phone is shared out evenly: (sum of lengths,) in 0..states - 1.
+    """State of every frame when each phone is divided evenly: (sum of lengths,) in 0..states - 1.
 
-    A phone with fewer frames than states visits those that the middles of its frames lie in.
+    A phone with fewer frames than states visits the states in which the centres of its frames lie.
 
     Parameters
     ----------
@@ -17,16 +17,16 @@ def even_states(lengths: np.ndarray, states: int) -> np.ndarray:
 
 
 def timed_states(lengths: np.ndarray, mean: np.ndarray, variance: np.ndarray) -> np.ndarray:
-    """State of every frame when each phone's states last as long as is most likely: (sum of lengths,).
+    """State of every frame when the states of each phone have their most likely durations: (sum of lengths,).
 
-    The durations d = mean + rho variance, with rho such that they fill the phone, are the most likely ones under a
-    Gaussian for each state (Yoshimura et al. 1998, Eq. 5-6). None is shorter than a tenth of its mean. A frame has the
-    state that its middle lies in.
+    The durations d = mean + rho variance, with rho such that they fill the phone, are the most likely ones under one
+    Gaussian per state (Yoshimura et al. 1998, Eq. 5-6). None is shorter than a tenth of its mean. A frame has the state
+    in which its centre lies.
 
     Parameters
     ----------
     lengths : (P,) frames of each phone
-    mean, variance : (P, S) of the durations of the phone's states, in frames and frames squared
+    mean, variance : (P, S) of the state durations, in frames and frames squared
     """
     lengths = np.asarray(lengths)
     rho = (lengths - mean.sum(axis=1)) / variance.sum(axis=1)
@@ -38,17 +38,17 @@ def timed_states(lengths: np.ndarray, mean: np.ndarray, variance: np.ndarray) ->
     return (middle[:, None] >= ends[phone, :-1]).sum(axis=1)
 
 
-def expected_states(density: np.ndarray, lengths: np.ndarray, stay: np.ndarray) -> tuple[np.ndarray, float]:
-    """Probability of every state at every frame, and the log-likelihood, of phones whose boundaries are known.
+def expected_states(density: np.ndarray, lengths: np.ndarray, self_transition: np.ndarray) -> tuple[np.ndarray, float]:
+    """Probability of every state at every frame, and the log-likelihood, of phones with known boundaries.
 
-    A phone begins in its first state, ends in its last and leaves none out. One with fewer frames than states cannot:
-    its frames are shared out as by :func:`even_states`, and its transitions count nothing.
+    A phone starts in its first state, ends in its last and skips none. A phone with fewer frames than states cannot:
+    its frames are divided as by :func:`even_states`, and its transitions do not contribute to the likelihood.
 
     Parameters
     ----------
     density : (T, S) log-density of every frame under the states of its own phone
     lengths : (P,) frames of each phone; their sum is T
-    stay : (P, S) probability of staying in a state from one frame to the next, inside (0, 1)
+    self_transition : (P, S) self-transition probability of each state, inside (0, 1)
 
     Returns
     -------
@@ -63,46 +63,49 @@ def expected_states(density: np.ndarray, lengths: np.ndarray, stay: np.ndarray) 
     likelihood = float((density[at] * result[at]).sum())
     long = np.flatnonzero(lengths >= states)
     if len(long):
-        place = starts[long, None] + np.minimum(np.arange(lengths[long].max()), lengths[long, None] - 1)
-        gamma, each = forward_backward(density[place], lengths[long], stay[long])
-        inside = np.arange(place.shape[1]) < lengths[long, None]
-        result[place[inside]] = gamma[inside]
+        frames = starts[long, None] + np.minimum(np.arange(lengths[long].max()), lengths[long, None] - 1)
+        gamma, each = forward_backward(density[frames], lengths[long], self_transition[long])
+        inside = np.arange(frames.shape[1]) < lengths[long, None]
+        result[frames[inside]] = gamma[inside]
         likelihood += float(each.sum())
     return result, likelihood
 
 
-def forward_backward(density: np.ndarray, lengths: np.ndarray, stay: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Forward-backward in log space over chains of equal topology at once (Rabiner 1989, Eq. 19-27).
+def forward_backward(
+    density: np.ndarray, lengths: np.ndarray, self_transition: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """Forward-backward algorithm in log space, over many chains of the same topology (Rabiner 1989, Eq. 19-27).
 
     Parameters
     ----------
-    density : (P, T, S) log-density of every frame under every state; beyond a chain's length it is not looked at
+    density : (P, T, S) log-density of every frame under every state; ignored beyond the length of the chain
     lengths : (P,) frames of each chain, at least S
-    stay : (P, S) probability of staying; the rest is the probability of going on, from the last state: of the end
+    self_transition : (P, S) self-transition probability; with the remaining probability a state is followed by the
+        next, and the last by the end
 
     Returns
     -------
     (P, T, S) probability of every state, zero beyond the length; (P,) log-likelihoods
     """
     chains, frames, states = density.shape
-    log_stay, log_move = np.log(stay), np.log1p(-stay)
-    ahead = np.full((chains, frames, states), -np.inf)
-    behind = np.full((chains, frames, states), -np.inf)
-    ahead[:, 0, 0] = density[:, 0, 0]
+    log_self, log_next = np.log(self_transition), np.log1p(-self_transition)
+    forward = np.full((chains, frames, states), -np.inf)
+    backward = np.full((chains, frames, states), -np.inf)
+    forward[:, 0, 0] = density[:, 0, 0]
     for t in range(1, frames):
         arrived = np.full((chains, states), -np.inf)
-        arrived[:, 1:] = ahead[:, t - 1, :-1] + log_move[:, :-1]
-        ahead[:, t] = np.logaddexp(ahead[:, t - 1] + log_stay, arrived) + density[:, t]
+        arrived[:, 1:] = forward[:, t - 1, :-1] + log_next[:, :-1]
+        forward[:, t] = np.logaddexp(forward[:, t - 1] + log_self, arrived) + density[:, t]
     end = np.full((chains, states), -np.inf)
-    end[:, -1] = log_move[:, -1]
+    end[:, -1] = log_next[:, -1]
     for t in range(frames - 1, -1, -1):
         if t + 1 < frames:
-            weighed = behind[:, t + 1] + density[:, t + 1]
+            weighted = backward[:, t + 1] + density[:, t + 1]
             onward = np.full((chains, states), -np.inf)
-            onward[:, :-1] = weighed[:, 1:] + log_move[:, :-1]
-            behind[:, t] = np.logaddexp(weighed + log_stay, onward)
+            onward[:, :-1] = weighted[:, 1:] + log_next[:, :-1]
+            backward[:, t] = np.logaddexp(weighted + log_self, onward)
         last = lengths == t + 1
-        behind[last, t] = end[last]
-        behind[lengths < t + 1, t] = -np.inf
-    likelihood = ahead[np.arange(chains), lengths - 1, -1] + log_move[:, -1]
-    return np.exp(ahead + behind - likelihood[:, None, None]), likelihood
+        backward[last, t] = end[last]
+        backward[lengths < t + 1, t] = -np.inf
+    likelihood = forward[np.arange(chains), lengths - 1, -1] + log_next[:, -1]
+    return np.exp(forward + backward - likelihood[:, None, None]), likelihood

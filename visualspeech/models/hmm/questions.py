@@ -1,4 +1,4 @@
-"""Phonetic questions that decision trees ask of a triphone."""
+"""Phonetic questions that decision trees ask about a phone and its neighbours."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -7,9 +7,7 @@ import numpy as np
 
 from visualspeech.speech.phones import CLASSES
 
-POSITIONS = ("left", "current", "right")
-
-# What the lips and the jaw tell apart beyond the classes of the phone set.
+# Classes that differ in the lips and the jaw, beside those of the phone set.
 _JOINED = {
     "consonant": "stop affricate fricative nasal",
     "sonorant": "vowel diphthong glide nasal",
@@ -34,28 +32,43 @@ _MORE = {
 
 @dataclass(frozen=True)
 class Questions:
-    """Yes-no questions: is the phone at a position one of a set?
+    """Yes-no questions: is the phone in a column of the context a member of a set?
 
     Parameters
     ----------
-    positions : (Q,) 0 left, 1 current, 2 right
-    members : (Q, K) bool, the phones of the inventory for which the answer is yes
-    names : (Q,) for people, such as ``right bilabial``
+    positions : (Q,) column of the context
+    members : (Q, K) bool, phones of the inventory for which the answer is yes
+    names : (Q,) names such as ``right bilabial``, for people
     """
 
     positions: np.ndarray
     members: np.ndarray
     names: tuple[str, ...]
 
-    def answers(self, triphones: np.ndarray) -> np.ndarray:
-        """(Q, M) bool of triphones (M, 3)."""
-        return self.members[np.arange(len(self.positions))[:, None], triphones[:, self.positions].T]
+    def answers(self, contexts: np.ndarray) -> np.ndarray:
+        """(Q, M) bool for contexts (M, C)."""
+        return self.members[np.arange(len(self.positions))[:, None], contexts[:, self.positions].T]
+
+
+def position_names(columns: int, centre: int) -> list[str]:
+    """Names of the columns of a context: ..., "left 2", "left", "current", "right", "right 2", ...
+
+    Parameters
+    ----------
+    columns : number of columns
+    centre : column of the phone itself
+    """
+    names = []
+    for offset in range(-centre, columns - centre):
+        distance = f" {abs(offset)}" if abs(offset) > 1 else ""
+        names.append("current" if offset == 0 else f"{'left' if offset < 0 else 'right'}{distance}")
+    return names
 
 
 def phone_sets(phones: Sequence[str]) -> dict[str, np.ndarray]:
-    """Sets of an inventory by name, (K,) bool each: articulatory classes, and every phone by itself.
+    """Sets of phones of an inventory by name, (K,) bool each: articulatory classes, and every phone by itself.
 
-    A set that holds nothing, everything, or the same phones as one before is left out.
+    A set with no phone, with all phones, or with the phones of an earlier set is left out.
     """
     joined = {name: frozenset().union(*(CLASSES[part] for part in parts.split())) for name, parts in _JOINED.items()}
     more = {name: frozenset(members.split()) for name, members in _MORE.items()}
@@ -68,9 +81,15 @@ def phone_sets(phones: Sequence[str]) -> dict[str, np.ndarray]:
     return result
 
 
-def questions(phones: Sequence[str]) -> Questions:
-    """Every set of an inventory, asked of every position of a triphone."""
+def questions(phones: Sequence[str], columns: int = 3, centre: int = 1) -> Questions:
+    """Questions about every set of an inventory in every column of a context; the defaults are those of triphones.
+
+    Parameters
+    ----------
+    phones : inventory, K entries
+    columns, centre : layout of the contexts, see :func:`position_names`
+    """
     sets = phone_sets(phones)
-    names = [f"{position} {name}" for position in POSITIONS for name in sets]
-    members = np.tile(np.array(list(sets.values())).reshape(len(sets), len(phones)), (len(POSITIONS), 1))
-    return Questions(np.repeat(np.arange(len(POSITIONS)), len(sets)), members, tuple(names))
+    names = [f"{position} {name}" for position in position_names(columns, centre) for name in sets]
+    members = np.tile(np.array(list(sets.values())).reshape(len(sets), len(phones)), (columns, 1))
+    return Questions(np.repeat(np.arange(columns), len(sets)), members, tuple(names))

@@ -1,4 +1,4 @@
-"""The phones of an utterance with their times, and as runs of frames."""
+"""The phones of an utterance with their neighbours and times, and as runs of frames."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -6,9 +6,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from visualspeech.errors import DataError
+from visualspeech.features.contexts import phone_contexts
+from visualspeech.speech.alignment import Alignment, starts_of
 from visualspeech.timing import frame_times, interval_of_frame
-
-SILENCE = "sil"
 
 
 @dataclass(frozen=True)
@@ -17,44 +17,59 @@ class PhoneTrack:
 
     Parameters
     ----------
-    triphones : (P, 3) int, left, current and right phone as indices of the inventory
+    contexts : (P, C) int, each phone with its neighbours as indices of the inventory: C = 3 for triphones, 5 for
+        quinphones
     starts : (P,) seconds, ascending; a phone ends where the next one starts
-    """
-
-    triphones: np.ndarray
-    starts: np.ndarray
-
-    def runs(self, frames: int, rate: float) -> tuple[np.ndarray, np.ndarray]:
-        """Triphones (Q, 3) and lengths (Q,) of the runs of frames that share a phone.
-
-        A frame belongs to the phone that is spoken at its middle (:mod:`visualspeech.timing`); a phone so short that no
-        frame's middle lies in it is left out.
-        """
-        at = interval_of_frame(self.starts, frame_times(frames, rate))
-        phones, lengths = np.unique(at, return_counts=True)
-        return self.triphones[phones], lengths
-
-
-def phone_track(rows, phones: Sequence[str]) -> PhoneTrack:
-    """The phone tier of one utterance's alignment; before the first and after the last phone there is silence.
-
-    Parameters
-    ----------
-    rows : alignment (columns tier, index, label, start; seconds)
-    phones : the inventory
+    centre : column of the phone itself in ``contexts``
 
     Raises
     ------
     DataError
-        There is no phone, or one that is not in the inventory.
+        The shapes do not fit each other, or there is no phone.
     """
-    spoken = rows[rows["tier"] == "phone"].sort_values("index")
-    position = {phone: number for number, phone in enumerate(phones)}
-    unknown = sorted(set(spoken["label"]) - set(position))
-    if unknown or not len(spoken):
-        what = f"phones that the model does not know: {', '.join(unknown)}" if unknown else "no phones"
-        raise DataError(f"the alignment holds {what}. Train the model on the corpus that it is to speak for.")
-    current = np.array([position[label] for label in spoken["label"]])
-    silence = position.get(SILENCE, 0)
-    triphones = np.stack([np.r_[silence, current[:-1]], current, np.r_[current[1:], silence]], axis=1)
-    return PhoneTrack(triphones, spoken["start"].to_numpy(float))
+
+    contexts: np.ndarray
+    starts: np.ndarray
+    centre: int
+
+    def __post_init__(self) -> None:
+        shape = np.shape(self.contexts)
+        if len(shape) != 2 or np.shape(self.starts) != shape[:1] or not shape[0] or not 0 <= self.centre < shape[1]:
+            raise DataError(
+                f"phone contexts of shape {shape} do not fit starts of shape {np.shape(self.starts)} and the phone in "
+                f"column {self.centre}; at least one phone is needed, with one start per phone."
+            )
+
+    @property
+    def layout(self) -> tuple[int, int]:
+        """Number of columns of the contexts, and the column of the phone itself."""
+        return self.contexts.shape[1], self.centre
+
+    def runs(self, frames: int, rate: float) -> tuple[np.ndarray, np.ndarray]:
+        """Contexts (Q, C) and lengths (Q,) of the runs of frames that share a phone.
+
+        A frame belongs to the phone that is spoken at its centre (:mod:`visualspeech.timing`); a phone so short that no
+        frame has its centre in it is left out.
+        """
+        at = interval_of_frame(self.starts, frame_times(frames, rate))
+        phones, lengths = np.unique(at, return_counts=True)
+        return self.contexts[phones], lengths
+
+
+#: An utterance that HMMs are trained on: its phones, values (T, N), and their frame rate in Hz.
+Example = tuple[PhoneTrack, np.ndarray, float]
+
+
+def phone_track(alignment: Alignment, phones: Sequence[str], before: int = 1, after: int = 1) -> PhoneTrack:
+    """The phones of an utterance with ``before`` neighbours on the left and ``after`` on the right.
+
+    Parameters
+    ----------
+    phones : inventory, K entries
+
+    Raises
+    ------
+    DataError
+        The alignment has no phones, or phones that are not in the inventory.
+    """
+    return PhoneTrack(phone_contexts(alignment, phones, before, after), starts_of(alignment.phones), before)

@@ -1,21 +1,22 @@
-"""Gaussians of states, their densities, and the sums over frames that they are estimated from."""
+"""Gaussians of states, their densities, and the sufficient statistics that they are estimated from."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from visualspeech.features.resampling import resample
 from visualspeech.models.hmm.chains import even_states, expected_states
+from visualspeech.models.hmm.segments import Example
 from visualspeech.models.hmm.windows import observations
 
-#: Least and greatest probability of staying in a state.
-STAY = (0.02, 0.995)
+#: Bounds of the self-transition probability of a state.
+SELF_TRANSITION = (0.02, 0.995)
 
 
 @dataclass(frozen=True)
 class Gaussians:
-    """States: a diagonal Gaussian over observations, and a Gaussian of the duration, each.
+    """Distributions of states: a diagonal Gaussian of the observations and a Gaussian of the duration for each.
 
     Parameters
     ----------
@@ -28,32 +29,33 @@ class Gaussians:
     duration_mean: np.ndarray
     duration_variance: np.ndarray
 
-    def log_density(self, seen: np.ndarray, chosen: np.ndarray) -> np.ndarray:
-        """(T, S) log-density of observations (T, D), each under S Gaussians of its own (T, S)."""
+    def log_density(self, observed: np.ndarray, chosen: np.ndarray) -> np.ndarray:
+        """(T, S) log-density of observations (T, D), each under its own S Gaussians, of numbers (T, S)."""
         constant = -0.5 * np.log(2 * np.pi * self.variance).sum(axis=1)
         result = constant[chosen]
         for state in range(chosen.shape[1]):
             of_frame = chosen[:, state]
-            result[:, state] -= 0.5 * ((seen - self.mean[of_frame]) ** 2 / self.variance[of_frame]).sum(axis=1)
+            result[:, state] -= 0.5 * ((observed - self.mean[of_frame]) ** 2 / self.variance[of_frame]).sum(axis=1)
         return result
 
     def at(self, chosen: np.ndarray) -> "Gaussians":
-        """The chosen of them."""
+        """The Gaussians of some numbers, of any shape (...)."""
         return Gaussians(*(getattr(self, name)[chosen] for name in Gaussians.__dataclass_fields__))
 
 
 @dataclass(frozen=True)
 class Statistics:
-    """Sums over the frames of training utterances.
+    """Sufficient statistics of training utterances.
 
     Parameters
     ----------
     occupancy : (M,) expected frames of each Gaussian
     first, second : (M, D) sums of observations and of their squares
     visits : (M,) phones that have the Gaussian
-    stayed, stayed_squares : (M,) sums over these phones of the expected frames, and of their squares
-    long_frames, long_phones : (K, S) expected frames, and phones, of those that have at least as many frames as states
-    log_likelihood : of all frames; under even states, of none
+    durations, squared_durations : (M,) sums over these phones of the expected frames, and of their squares
+    long_frames, long_phones : (K, S) expected frames and number of phones, of phones with at least as many frames as
+        states
+    log_likelihood : of all frames; 0 where phones are divided evenly
     frames : number of frames
     """
 
@@ -61,29 +63,31 @@ class Statistics:
     first: np.ndarray
     second: np.ndarray
     visits: np.ndarray
-    stayed: np.ndarray
-    stayed_squares: np.ndarray
+    durations: np.ndarray
+    squared_durations: np.ndarray
     long_frames: np.ndarray
     long_phones: np.ndarray
     log_likelihood: float
     frames: int
 
-    def stay(self) -> np.ndarray:
-        """(K, S) probability of staying: a phone that visits a state for d frames stays d - 1 times and leaves once."""
+    def self_transition(self) -> np.ndarray:
+        """(K, S) self-transition probability: of d frames in a state, d - 1 are followed by the same state."""
         frames = np.maximum(self.long_frames, 1e-10)
-        return np.clip(np.where(self.long_phones > 0, 1 - self.long_phones / frames, 0.5), *STAY)
+        return np.clip(np.where(self.long_phones > 0, 1 - self.long_phones / frames, 0.5), *SELF_TRANSITION)
 
     def gaussians(self, floor: np.ndarray, prior: Gaussians, weight: float = 1e-3) -> Gaussians:
-        """The Gaussians of greatest likelihood, held to ``prior`` as if it were ``weight`` frames more of each."""
+        """Maximum a posteriori estimates; ``prior`` counts as ``weight`` additional frames of each Gaussian."""
         total = (self.occupancy + weight)[:, None]
         mean = (self.first + weight * prior.mean) / total
         second = (self.second + weight * (prior.variance + prior.mean**2)) / total
         visits = self.visits + weight
-        stayed = (self.stayed + weight * prior.duration_mean) / visits
-        squares = (self.stayed_squares + weight * (prior.duration_variance + prior.duration_mean**2)) / visits
-        # A state that always lasts equally long may still give way a little: a tenth of its length.
-        least = 0.01 * (stayed**2 + 1)
-        return Gaussians(mean, np.maximum(second - mean**2, floor), stayed, np.maximum(squares - stayed**2, least))
+        duration = (self.durations + weight * prior.duration_mean) / visits
+        squares = (self.squared_durations + weight * (prior.duration_variance + prior.duration_mean**2)) / visits
+        # The duration of a state that is always equally long may still vary by a tenth.
+        minimum = 0.01 * (duration**2 + 1)
+        return Gaussians(
+            mean, np.maximum(second - mean**2, floor), duration, np.maximum(squares - duration**2, minimum)
+        )
 
 
 @dataclass(frozen=True)
@@ -92,56 +96,59 @@ class Utterance:
 
     Parameters
     ----------
-    seen : (T, D) observations
-    triphones : (P, 3)
+    observed : (T, D) observations
+    contexts : (P, C) phones with their neighbours
     lengths : (P,) frames of each phone
+    phones : (P,) the phones themselves
     """
 
-    seen: np.ndarray
-    triphones: np.ndarray
+    observed: np.ndarray
+    contexts: np.ndarray
     lengths: np.ndarray
+    phones: np.ndarray
 
 
-def prepare(example: tuple, rate: float, step: int) -> Utterance:
-    """An utterance (phone track, values (T, N), their rate in Hz) as observations at another rate."""
+def prepare(example: Example, rate: float, step: int) -> Utterance:
+    """A training utterance at ``rate`` Hz, with windows of ``step`` frames."""
     track, values, given = example
     values = resample(np.asarray(values, np.float64), given, rate)
-    return Utterance(observations(values, step), *track.runs(len(values), rate))
+    contexts, lengths = track.runs(len(values), rate)
+    return Utterance(observations(values, step), contexts, lengths, contexts[:, track.centre])
 
 
 def accumulate(
-    examples: Sequence[tuple],
-    find,
+    examples: Sequence[Example],
+    find: Callable[[np.ndarray], np.ndarray],
     count: int,
     gaussians: Gaussians | None,
-    stay: np.ndarray,
+    self_transition: np.ndarray,
     rate: float,
     step: int,
 ) -> Statistics:
-    """One pass over training utterances: the expectation step of Baum-Welch, with the boundaries of phones given.
+    """One pass over training utterances: the expectation step of Baum-Welch with known phone boundaries.
 
     Parameters
     ----------
-    examples : (phone track, values (T, N), rate in Hz) of every utterance
-    find : triphones (P, 3) -> Gaussians (P, S)
+    examples : training utterances
+    find : from contexts (P, C) to Gaussians (P, S)
     count : number M of Gaussians
-    gaussians : of the last iteration; None shares out every phone evenly
-    stay : (K, S) probability of staying in a state
+    gaussians : of the last iteration; None divides every phone evenly among its states
+    self_transition : (K, S) self-transition probabilities
     rate, step : frame rate of the models in Hz, and the step of their windows in frames
     """
-    phones, states = stay.shape
+    phones, states = self_transition.shape
     sums: dict[str, np.ndarray] = {}
     likelihood, frames = 0.0, 0
     for number in range(len(examples)):
         one = prepare(examples[number], rate, step)
-        chosen = find(one.triphones)
+        chosen = find(one.contexts)
         if gaussians is None:
             gamma = np.eye(states)[even_states(one.lengths, states)]
         else:
-            density = gaussians.log_density(one.seen, np.repeat(chosen, one.lengths, axis=0))
-            gamma, each = expected_states(density, one.lengths, stay[one.triphones[:, 1]])
+            density = gaussians.log_density(one.observed, np.repeat(chosen, one.lengths, axis=0))
+            gamma, each = expected_states(density, one.lengths, self_transition[one.phones])
             likelihood += each
-        frames += len(one.seen)
+        frames += len(one.observed)
         for name, where, values in _sums(one, chosen, gamma, states):
             if name not in sums:
                 size = (phones, states) if name.startswith("long") else (count,)
@@ -150,25 +157,25 @@ def accumulate(
     return Statistics(**sums, log_likelihood=likelihood, frames=frames)
 
 
-def _sums(one: Utterance, chosen: np.ndarray, gamma: np.ndarray, states: int):
-    """What an utterance adds to each sum: (name, where, values)."""
+def _sums(one: Utterance, chosen: np.ndarray, gamma: np.ndarray, states: int) -> Iterator[tuple]:
+    """Contributions of an utterance: (name of the sum, indices, values)."""
     starts = np.cumsum(one.lengths) - one.lengths
     spent = np.add.reduceat(gamma, starts, axis=0)
     where = chosen.ravel()
-    first = np.empty((*chosen.shape, one.seen.shape[1]))
+    first = np.empty((*chosen.shape, one.observed.shape[1]))
     second = np.empty_like(first)
-    squares = one.seen**2
+    squares = one.observed**2
     for phone, (start, length) in enumerate(zip(starts, one.lengths, strict=True)):
         weight = gamma[start : start + length].T
-        first[phone] = weight @ one.seen[start : start + length]
+        first[phone] = weight @ one.observed[start : start + length]
         second[phone] = weight @ squares[start : start + length]
     yield "occupancy", where, spent.ravel()
     yield "first", where, first.reshape(len(where), -1)
     yield "second", where, second.reshape(len(where), -1)
     yield "visits", where, np.ones(len(where))
-    yield "stayed", where, spent.ravel()
-    yield "stayed_squares", where, (spent**2).ravel()
+    yield "durations", where, spent.ravel()
+    yield "squared_durations", where, (spent**2).ravel()
     long = one.lengths >= states
-    place = (np.repeat(one.triphones[long, 1], states), np.tile(np.arange(states), long.sum()))
-    yield "long_frames", place, spent[long].ravel()
-    yield "long_phones", place, np.ones(len(place[0]))
+    cell = (np.repeat(one.phones[long], states), np.tile(np.arange(states), long.sum()))
+    yield "long_frames", cell, spent[long].ravel()
+    yield "long_phones", cell, np.ones(len(cell[0]))

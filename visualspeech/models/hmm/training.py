@@ -1,4 +1,4 @@
-"""Training of phone HMMs by maximum likelihood: monophones, then triphones whose states are tied by decision trees."""
+"""Maximum-likelihood training of phone HMMs: monophone HMMs, then HMMs of phones in context with tied states."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
@@ -9,154 +9,188 @@ from visualspeech.errors import DataError
 from visualspeech.jobs import log
 from visualspeech.models.hmm.model import Hmm, HmmSettings
 from visualspeech.models.hmm.questions import questions
+from visualspeech.models.hmm.segments import Example
 from visualspeech.models.hmm.statistics import Gaussians, Statistics, accumulate
 from visualspeech.models.hmm.tying import Cases, grow, monophones
 
 
 def fit_monophones(
-    training: Sequence[tuple], phones: Sequence[str], settings: HmmSettings | None = None, aam: str = ""
+    training: Sequence[Example], phones: Sequence[str], settings: HmmSettings | None = None, aam: str = ""
 ) -> Hmm:
-    """HMMs of single phones: from evenly shared phones, by Baum-Welch with the alignment's phone boundaries.
+    """Monophone HMMs: a flat start inside the phone boundaries of the alignment, then Baum-Welch.
 
     Parameters
     ----------
-    training : utterances as (:class:`PhoneTrack`, appearance (T, N), its rate in Hz)
-    phones : the inventory, K entries
+    training : utterances as (:class:`PhoneTrack`, values (T, N), their rate in Hz)
+    phones : inventory, K entries
     settings : states, rate, iterations
     aam : digest of the appearance model, kept with the HMMs
 
     Raises
     ------
     DataError
-        There is no training utterance, or appearance that is no finite number.
+        There is no training utterance, the layouts of the phone contexts differ, or a value is not finite.
     """
     settings = settings or HmmSettings()
     if not len(training):
         raise DataError("there is no training utterance to train HMMs on. Add recordings, or change `split`.")
-    tying = monophones(len(phones), settings.states)
-    stay = np.full((len(phones), settings.states), 0.5)
-    first = accumulate(training, tying.find, tying.gaussians, None, stay, settings.rate, settings.step)
-    everywhere, floor = _overall(first, settings)
-    if not np.isfinite(everywhere.mean).all():
-        raise DataError("a training utterance holds appearance that is no number; delete the features, run again.")
-    start = first.gaussians(floor, everywhere.at(np.zeros(tying.gaussians, int)))
-    gaussians, stay, history = baum_welch(
-        training, tying.find, start, first.stay(), settings, "monophone", settings.monophone_iterations
+    tying = monophones(len(phones), settings.states, *_layout(training))
+    self_transition = np.full((len(phones), settings.states), 0.5)
+    first = accumulate(training, tying.find, tying.gaussians, None, self_transition, settings.rate, settings.step)
+    overall, floor = _overall(first, settings)
+    if not np.isfinite(overall.mean).all():
+        raise DataError(
+            "a training utterance has values that are not finite numbers; delete the features and run again."
+        )
+    start = first.gaussians(floor, overall.at(np.zeros(tying.gaussians, int)))
+    gaussians, self_transition, history = baum_welch(
+        training, tying.find, start, first.self_transition(), settings, "monophone", settings.monophone_iterations
     )
-    return Hmm("monophone", settings, tuple(phones), tying, gaussians, stay, aam, {"history": history})
+    return Hmm("monophone", settings, tuple(phones), tying, gaussians, self_transition, aam, {"history": history})
 
 
-def fit_tied(monophone: Hmm, training: Sequence[tuple]) -> Hmm:
-    """HMMs of triphones with tied states, from those of single phones.
+def fit_tied(monophone: Hmm, training: Sequence[Example]) -> Hmm:
+    """Tied-state HMMs of phones in context, from monophone HMMs.
 
-    Every triphone of training gets Gaussians of its own, held to those of its phone; trees tie their statistics; the
-    tied Gaussians are estimated anew. Triphones that training lacks find a leaf by their answers.
+    Every context that occurs in training gets its own Gaussians, with those of its phone as prior; decision trees tie
+    their statistics; the tied Gaussians are estimated again. Contexts that do not occur in training reach a leaf by
+    their answers. With contexts of three columns these are tied-state triphone HMMs.
 
     Parameters
     ----------
     monophone : from :func:`fit_monophones` on the same utterances
-    training : as there
+    training : see there
+
+    Raises
+    ------
+    DataError
+        The layouts of the phone contexts differ among the utterances, or from those of the monophone HMMs.
     """
     settings, count = monophone.settings, len(monophone.phones)
-    untied = _Untied(_triphones(training), count, settings.states)
-    parent = monophone.tying.find(untied.triphones).ravel()
+    columns, centre = _layout(training)
+    if monophone.tying.layout != (columns, centre):
+        raise DataError(
+            f"the monophone HMMs were trained on contexts of {monophone.tying.columns} columns, the utterances have "
+            f"{columns}; train the monophone HMMs again."
+        )
+    untied = _Untied(_contexts(training), settings.states)
+    parent = monophone.tying.find(untied.contexts).ravel()
     prior = monophone.gaussians.at(parent)
-    gaussians, stay, floor = prior, monophone.stay, None
+    gaussians, self_transition, floor = prior, monophone.self_transition, None
     for _ in range(settings.untied_iterations):
-        sums = accumulate(training, untied.find, len(parent), gaussians, stay, settings.rate, settings.step)
+        sums = accumulate(training, untied.find, len(parent), gaussians, self_transition, settings.rate, settings.step)
         floor = _overall(sums, settings)[1] if floor is None else floor
-        gaussians, stay = sums.gaussians(floor, prior, settings.untied_weight), sums.stay()
-    log.info("%d triphones, %d Gaussians before tying", len(untied.triphones), len(parent))
-    # Frames between those of the video say nothing new: a frame counts as the share of a frame of video that it is.
+        gaussians, self_transition = sums.gaussians(floor, prior, settings.untied_weight), sums.self_transition()
+    log.info("%d phone contexts, %d Gaussians before tying", len(untied.contexts), len(parent))
+    # Frames between those of the video carry no information: each counts as the share of a video frame that it is.
     weight = min(training[0][2] / settings.rate, 1.0)
     cases = Cases(
-        np.repeat(untied.triphones, settings.states, axis=0),
-        np.tile(np.arange(settings.states), len(untied.triphones)),
-        *(weight * part for part in (sums.occupancy, sums.first, sums.second)),
+        np.repeat(untied.contexts, settings.states, axis=0),
+        np.tile(np.arange(settings.states), len(untied.contexts)),
+        *(weight * values for values in (sums.occupancy, sums.first, sums.second)),
     )
     tying = grow(
         cases,
-        questions(monophone.phones),
+        questions(monophone.phones, columns, centre),
         count,
         settings.states,
+        centre,
         floor,
         settings.min_frames,
         settings.mdl,
         settings.of_each_phone,
     )
     log.info("%d Gaussians after tying", tying.gaussians)
-    start = _pooled(sums, tying.find(untied.triphones).ravel(), tying.gaussians).gaussians(
+    start = _pooled(sums, tying.find(untied.contexts).ravel(), tying.gaussians).gaussians(
         floor, _overall(sums, settings)[0].at(np.zeros(tying.gaussians, int))
     )
-    gaussians, stay, history = baum_welch(training, tying.find, start, stay, settings, "tied", settings.tied_iterations)
+    gaussians, self_transition, history = baum_welch(
+        training, tying.find, start, self_transition, settings, "tied", settings.tied_iterations
+    )
     about = {
-        "triphones": len(untied.triphones),
+        "contexts": len(untied.contexts),
         "gaussians": tying.gaussians,
         "history": [*monophone.about.get("history", []), *history],
     }
-    return replace(monophone, kind="tied", tying=tying, gaussians=gaussians, stay=stay, about=about)
+    return replace(
+        monophone, kind="tied", tying=tying, gaussians=gaussians, self_transition=self_transition, about=about
+    )
 
 
 def baum_welch(
-    training: Sequence[tuple],
-    find: Callable,
+    training: Sequence[Example],
+    find: Callable[[np.ndarray], np.ndarray],
     gaussians: Gaussians,
-    stay: np.ndarray,
+    self_transition: np.ndarray,
     settings: HmmSettings,
     stage: str,
     iterations: int,
 ) -> tuple[Gaussians, np.ndarray, list]:
-    """Iterations of Baum-Welch: Gaussians, probabilities of staying, and (stage, iteration, figure, value) of each.
+    """Iterations of Baum-Welch: Gaussians, self-transition probabilities, and rows (stage, iteration, figure, value).
 
-    The likelihood that an iteration reports is that of the model it began with.
+    The log-likelihood that an iteration reports is that of the model before it.
     """
     history, floor = [], None
     for iteration in range(1, iterations + 1):
-        sums = accumulate(training, find, len(gaussians.mean), gaussians, stay, settings.rate, settings.step)
+        sums = accumulate(training, find, len(gaussians.mean), gaussians, self_transition, settings.rate, settings.step)
         floor = _overall(sums, settings)[1] if floor is None else floor
-        gaussians, stay = sums.gaussians(floor, gaussians), sums.stay()
+        gaussians, self_transition = sums.gaussians(floor, gaussians), sums.self_transition()
         mean = sums.log_likelihood / sums.frames
-        log.info("%s iteration %d of %d: log-likelihood %.4f a frame", stage, iteration, iterations, mean)
+        log.info("%s iteration %d of %d: log-likelihood %.4f per frame", stage, iteration, iterations, mean)
         history.append([stage, iteration, "log_likelihood", mean])
-    return gaussians, stay, history
+    return gaussians, self_transition, history
 
 
 class _Untied:
-    """A Gaussian for each state of each triphone that training has."""
+    """One Gaussian for each state of each phone context that occurs in training.
 
-    def __init__(self, triphones: np.ndarray, phones: int, states: int) -> None:
-        self.triphones, self._size, self._states = triphones, (phones,) * 3, states
-        self._codes = np.ravel_multi_index(triphones.T, self._size)
+    Parameters
+    ----------
+    contexts : (M, C), all different
+    states : of each phone
+    """
 
-    def find(self, triphones: np.ndarray) -> np.ndarray:
-        row = np.searchsorted(self._codes, np.ravel_multi_index(triphones.T, self._size))
-        return row[:, None] * self._states + np.arange(self._states)
+    def __init__(self, contexts: np.ndarray, states: int) -> None:
+        self.contexts, self._states = contexts, states
+        # Rows are looked up as they are: numbering them as digits overflows for wide contexts.
+        self._rows = {context: row for row, context in enumerate(map(tuple, contexts.tolist()))}
+
+    def find(self, contexts: np.ndarray) -> np.ndarray:
+        """Gaussians (P, S) of the states of phones in context (P, C)."""
+        rows = np.array([self._rows[context] for context in map(tuple, contexts.tolist())])
+        return rows[:, None] * self._states + np.arange(self._states)
 
 
-def _triphones(training: Sequence[tuple]) -> np.ndarray:
-    """All triphones of the utterances, sorted."""
-    found: set[tuple[int, ...]] = set()
-    for number in range(len(training)):
-        found.update(map(tuple, training[number][0].triphones.tolist()))
-    return np.array(sorted(found))
+def _layout(training: Sequence[Example]) -> tuple[int, int]:
+    """Number of columns of the phone contexts of all utterances, and the column of the phone itself."""
+    layouts = {training[number][0].layout for number in range(len(training))}
+    if len(layouts) != 1:
+        found = "; ".join(f"{columns} columns, the phone in column {centre}" for columns, centre in sorted(layouts))
+        raise DataError(f"the training utterances differ in the layout of their phone contexts ({found}).")
+    return layouts.pop()
+
+
+def _contexts(training: Sequence[Example]) -> np.ndarray:
+    """All phone contexts that occur in the utterances, (M, C), sorted."""
+    return np.unique(np.concatenate([training[number][0].contexts for number in range(len(training))]), axis=0)
 
 
 def _overall(sums: Statistics, settings: HmmSettings) -> tuple[Gaussians, np.ndarray]:
-    """One Gaussian of all frames, and the least variance of a state."""
+    """One Gaussian of all frames, and the minimum variance of a state (D,)."""
     frames = sums.occupancy.sum()
     mean = sums.first.sum(axis=0) / frames
     variance = np.maximum(sums.second.sum(axis=0) / frames - mean**2, 1e-10)
     visits = sums.visits.sum()
     length = frames / visits
-    spread = max(sums.stayed_squares.sum() / visits - length**2, 1e-2)
+    spread = max(sums.squared_durations.sum() / visits - length**2, 1e-2)
     overall = Gaussians(mean[None], variance[None], np.array([length]), np.array([spread]))
     return overall, settings.variance_floor * variance
 
 
 def _pooled(sums: Statistics, to: np.ndarray, count: int) -> Statistics:
-    """Statistics of Gaussians that are tied: number g goes to number to[g] of ``count``."""
+    """Statistics of ``count`` tied Gaussians: those of Gaussian g are added to tied Gaussian ``to[g]``."""
     tied = {}
-    for name in ("occupancy", "first", "second", "visits", "stayed", "stayed_squares"):
+    for name in ("occupancy", "first", "second", "visits", "durations", "squared_durations"):
         values = getattr(sums, name)
         tied[name] = np.zeros((count, *values.shape[1:]))
         np.add.at(tied[name], to, values)

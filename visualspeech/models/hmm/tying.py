@@ -1,4 +1,4 @@
-"""Which Gaussian a state of a triphone has: decision trees, grown by likelihood and stopped by description length."""
+"""State tying: decision trees that maximise the likelihood, with minimum description length as stopping criterion."""
 
 from dataclasses import dataclass
 
@@ -9,76 +9,85 @@ from visualspeech.models.hmm.questions import Questions
 
 @dataclass(frozen=True)
 class Tying:
-    """Decision trees from (left, current, right phone, state) to the number of a Gaussian.
+    """Decision trees from a phone in context and a state to the number of a Gaussian.
 
-    A node is a number of at least 0; a leaf with Gaussian g is -1 - g.
+    Nodes are numbered from 0; a leaf with Gaussian g is written -1 - g.
 
     Parameters
     ----------
-    roots : (S, K) node or leaf at which state s of phone k begins
-    positions : (nodes,) the part of the triphone that a node asks about
-    members : (nodes, K) bool, the phones for which the answer is yes
+    roots : (S, K) node or leaf at which state s of phone k starts
+    positions : (nodes,) column of the context that a node asks about
+    members : (nodes, K) bool, phones for which the answer is yes
     branches : (nodes, 2) node or leaf after no and after yes
+    columns : number of columns C of a context
+    centre : column of the phone itself
     """
 
     roots: np.ndarray
     positions: np.ndarray
     members: np.ndarray
     branches: np.ndarray
+    columns: int
+    centre: int
+
+    @property
+    def layout(self) -> tuple[int, int]:
+        """Number of columns of the contexts, and the column of the phone itself."""
+        return self.columns, self.centre
 
     @property
     def gaussians(self) -> int:
         """Number of Gaussians."""
         return int(-min(self.roots.min(), self.branches.min(initial=0)))
 
-    def find(self, triphones: np.ndarray) -> np.ndarray:
-        """Gaussians (P, S) of the states of triphones (P, 3)."""
-        place = self.roots[:, triphones[:, 1]].T.copy()
-        while (inside := place >= 0).any():
-            row, _ = np.nonzero(inside)
-            node = place[inside]
-            answer = self.members[node, triphones[row, self.positions[node]]]
-            place[inside] = self.branches[node, answer.astype(int)]
-        return -1 - place
+    def find(self, contexts: np.ndarray) -> np.ndarray:
+        """Gaussians (P, S) of the states of phones in context (P, C)."""
+        reached = self.roots[:, contexts[:, self.centre]].T.copy()
+        while (inner := reached >= 0).any():
+            row, _ = np.nonzero(inner)
+            node = reached[inner]
+            answer = self.members[node, contexts[row, self.positions[node]]]
+            reached[inner] = self.branches[node, answer.astype(int)]
+        return -1 - reached
 
 
-def monophones(phones: int, states: int) -> Tying:
-    """A Gaussian for each state of each phone, whatever its neighbours."""
+def monophones(phones: int, states: int, columns: int = 3, centre: int = 1) -> Tying:
+    """One Gaussian for each state of each phone, the same in every context (C columns, the phone itself in one)."""
     roots = -1 - np.arange(phones * states).reshape(phones, states).T
-    return Tying(roots, np.zeros(0, int), np.zeros((0, phones), bool), np.zeros((0, 2), int))
+    return Tying(roots, np.zeros(0, int), np.zeros((0, phones), bool), np.zeros((0, 2), int), columns, centre)
 
 
 @dataclass(frozen=True)
 class Cases:
-    """Triphone states with the statistics of their frames.
+    """States of phones in context, with the statistics of their frames.
 
     Parameters
     ----------
-    triphones : (M, 3) phone indices
-    states : (M,)
+    contexts : (M, C) phone indices
+    states : (M,) number of the state
     occupancy : (M,) expected frames
     first, second : (M, D) sums over frames of the observation and of its square
     """
 
-    triphones: np.ndarray
+    contexts: np.ndarray
     states: np.ndarray
     occupancy: np.ndarray
     first: np.ndarray
     second: np.ndarray
 
-    def part(self, chosen: np.ndarray) -> "Cases":
-        """The chosen of them."""
+    def subset(self, chosen: np.ndarray) -> "Cases":
+        """The cases that a mask (M,) bool selects."""
         return Cases(*(getattr(self, name)[chosen] for name in Cases.__dataclass_fields__))
 
 
 def log_likelihood(occupancy, first, second, floor: np.ndarray) -> np.ndarray:
-    """Log-likelihood of frames under the one diagonal Gaussian that fits them best; of each row of statistics.
+    """Log-likelihood of frames under their maximum-likelihood diagonal Gaussian, for each row of statistics.
 
     Parameters
     ----------
     occupancy : (...,) frames
     first, second : (..., D) sums of values and of squares
-    floor : (D,) least variance
+    floor : (D,) minimum variance
     """
     safe = np.maximum(occupancy, 1e-10)[..., None]
     spread = np.maximum(second / safe - (first / safe) ** 2, 0)
@@ -92,29 +101,33 @@ def grow(
     questions: Questions,
     phones: int,
     states: int,
+    centre: int,
     floor: np.ndarray,
     min_frames: float,
     mdl: float = 1.0,
     of_each_phone: bool = False,
 ) -> Tying:
-    """Trees that tie the states of triphones (Odell 1995), each split the one of greatest likelihood.
+    """Decision trees that tie the states of phones in context (Odell 1995); each split maximises the likelihood.
 
-    A split is made while it shortens the description (Shinoda and Watanabe 2000, Eq. 12): while its gain in
-    log-likelihood exceeds ``mdl`` * D * log(frames of the tree), the cost of one more Gaussian of 2 D parameters.
+    A node is split while that reduces the description length (Shinoda and Watanabe 2000, Eq. 12): while the gain in
+    log-likelihood exceeds ``mdl`` * D * log(frames of the tree), the cost of one more Gaussian with 2 D parameters.
 
     Parameters
     ----------
-    cases : statistics of the triphone states that training has; what it lacks follows its answers down the tree
-    floor : (D,) least variance
-    min_frames : frames that a Gaussian must rest on
+    cases : statistics of the states that occur in training; contexts that do not occur reach a leaf by their answers
+    questions : what a node may ask, for contexts of the same layout
+    phones, states : numbers K and S
+    centre : column of the phone itself in the contexts
+    floor : (D,) minimum variance
+    min_frames : minimum frames per Gaussian
     mdl : weight of the description length; 1: as published, less: more Gaussians
-    of_each_phone : a tree for each state of each phone, else for each state of all phones
+    of_each_phone : one tree for each state of each phone, else one for each state of all phones together
     """
     nodes: list[tuple[int, np.ndarray, list[int]]] = []
     leaves = 0
     roots = np.zeros((states, phones), int)
 
-    def plant(part: Cases, cost: float) -> int:
+    def split(part: Cases, cost: float) -> int:
         nonlocal leaves
         best = _best_split(part, questions, floor, min_frames)
         if best is None or best[0] <= cost:
@@ -123,33 +136,35 @@ def grow(
         _, question, yes = best
         node, branch = len(nodes), [0, 0]
         nodes.append((int(questions.positions[question]), questions.members[question], branch))
-        branch[0], branch[1] = plant(part.part(~yes), cost), plant(part.part(yes), cost)
+        branch[0], branch[1] = split(part.subset(~yes), cost), split(part.subset(yes), cost)
         return node
 
     for state in range(states):
         for phone in range(phones) if of_each_phone else (slice(None),):
             here = cases.states == state
             if of_each_phone:
-                here = here & (cases.triphones[:, 1] == phone)
-            part = cases.part(here)
-            roots[state, phone] = plant(part, mdl * len(floor) * np.log(max(part.occupancy.sum(), np.e)))
+                here = here & (cases.contexts[:, centre] == phone)
+            part = cases.subset(here)
+            roots[state, phone] = split(part, mdl * len(floor) * np.log(max(part.occupancy.sum(), np.e)))
     return Tying(
         roots,
         np.array([node[0] for node in nodes], int),
         np.array([node[1] for node in nodes], bool).reshape(len(nodes), phones),
         np.array([node[2] for node in nodes], int).reshape(len(nodes), 2),
+        cases.contexts.shape[1],
+        centre,
     )
 
 
 def _best_split(part: Cases, questions: Questions, floor: np.ndarray, min_frames: float):
-    """(gain in log-likelihood, question, cases with yes) of the best split; None where none leaves enough frames."""
-    answers = questions.answers(part.triphones)
+    """(gain in log-likelihood, question, cases with yes) of the best split; None where no split has enough frames."""
+    answers = questions.answers(part.contexts)
     total = part.occupancy.sum()
     held = answers @ part.occupancy
     able = np.flatnonzero((held >= min_frames) & (total - held >= min_frames))
     if not len(able):
         return None
-    # Questions that split these cases in the same way need to be asked once; the first of them is kept.
+    # Of questions that split these cases in the same way, only the first is tried.
     _, first = np.unique(np.packbits(answers[able], axis=1), axis=0, return_index=True)
     able = able[np.sort(first)]
     chosen = answers[able].astype(float)

@@ -6,6 +6,7 @@ from dataclasses import replace
 from visualspeech.errors import DataError, SettingError
 from visualspeech.models.hmm.mge import refine
 from visualspeech.models.hmm.model import Hmm, HmmSettings
+from visualspeech.models.hmm.segments import Example
 from visualspeech.models.hmm.training import fit_monophones, fit_tied
 from visualspeech.models.names import HMMS
 
@@ -13,8 +14,8 @@ from visualspeech.models.names import HMMS
 def train_variant(
     name: str,
     start: Hmm | None,
-    training: Sequence[tuple],
-    validation: Sequence[tuple],
+    training: Sequence[Example],
+    validation: Sequence[Example],
     phones: Sequence[str],
     settings: HmmSettings,
     aam: str = "",
@@ -24,8 +25,8 @@ def train_variant(
     Parameters
     ----------
     start : the variant before it; None for ``hmm_monophone``
-    training, validation : utterances as (phone track, appearance (T, N), its rate in Hz)
-    phones : the inventory
+    training, validation : utterances as (:class:`PhoneTrack`, values (T, N), their rate in Hz)
+    phones : inventory
     settings : of all variants
     aam : digest of the appearance model
 

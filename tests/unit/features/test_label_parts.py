@@ -3,11 +3,11 @@
 import numpy as np
 import pandas
 import pytest
+from visualspeech.features.richer import PARTS, full_labels, label_parts, part_sizes
 
 from tests.unit.models.examples import PHONES, utterances
 from visualspeech.errors import DataError, SettingError
 from visualspeech.features.labels import label_indices
-from visualspeech.features.richer import PARTS, full_labels, label_parts, part_sizes
 from visualspeech.models.blstm import StackSettings
 from visualspeech.models.network import Network
 from visualspeech.models.training import TrainingSettings, train
