@@ -14,7 +14,7 @@ from pathlib import Path
 
 from benchmarks.runs import alignment_files, rmse_and_corr
 from visualspeech.corpora.table import of_split, read_utterances
-from visualspeech.features.labels import read_phones
+from visualspeech.features.contexts import read_phones
 from visualspeech.models.hmm.examples import TimedExamples, read_tracks
 from visualspeech.models.hmm.mge import generation_error
 from visualspeech.models.hmm.model import HmmSettings

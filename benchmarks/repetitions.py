@@ -20,7 +20,7 @@ import numpy as np
 from benchmarks.runs import alignment_files
 from visualspeech.corpora.table import of_split, read_utterances
 from visualspeech.evaluation.metrics import frame_rmse
-from visualspeech.features.labels import read_phones
+from visualspeech.features.contexts import read_phones
 from visualspeech.features.resampling import at_times
 from visualspeech.speech.alignment import Alignment, read_alignments
 from visualspeech.speech.phones import SILENCE

@@ -16,7 +16,7 @@ import numpy as np
 from benchmarks.runs import alignment_files, rmse_and_corr
 from visualspeech.corpora.table import of_split, read_utterances
 from visualspeech.features.examples import Examples
-from visualspeech.features.labels import read_phones
+from visualspeech.features.contexts import read_phones
 from visualspeech.models.blstm import parse_stack
 from visualspeech.models.hmm.examples import TimedExamples, read_tracks
 from visualspeech.models.hmm.model import HmmSettings

@@ -101,14 +101,14 @@ def _speak(given: argparse.Namespace) -> None:
     if given.audio:
         if text is None:
             log.info("the lips follow the phones that are recognised; give what is said with --text for better ones")
-        spoken = speak_recording(given.audio, text, bundle.network.rate, shares=bundle.shares)
+        spoken = speak_recording(given.audio, text, bundle.trained.rate, shares=bundle.shares)
         voice = f"recording {given.audio.name}, as given"
     else:
         settings = VoiceSettings(given.voice, given.speed, given.pitch)
         spoken = speak_text(text, settings, bundle.shares)
         voice = f"synthetic (eSpeak NG, {given.voice})"
     settings = SpeakSettings(label=not given.no_label, walk=WalkSettings(seed=given.seed))
-    performance = perform(spoken, bundle.network, bundle.rest)
+    performance = perform(spoken, bundle.trained, bundle.rest)
     log.info("%.1f s of speech; rendering", performance.seconds)
     speak(given.output, performance, bundle, voice, settings)
 

@@ -1,13 +1,13 @@
 """A voice-ready speaker: everything that speaking needs in one folder, which says what belongs together by digests.
 
 ``speaker.json`` names the parts with the digest of each file, the phones, the average shares of their states, and whose
-face it is. The parts are ``network.safetensors``, ``aam.safetensors``, ``reference.safetensors``, ``head.safetensors``,
+face it is. The parts are ``model.safetensors``, ``aam.safetensors``, ``reference.safetensors``, ``head.safetensors``,
 ``rest.safetensors`` (the face at rest) and ``background.h5``. The folder can be moved and given away; it refers to
 nothing outside.
 """
 
 import json
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -19,19 +19,17 @@ from visualspeech.errors import DataError, StorageError
 from visualspeech.face.aam.model import Aam
 from visualspeech.face.aam.reference import Reference
 from visualspeech.face.head import HeadModel
-from visualspeech.models.network import Network
+from visualspeech.models.inventory import phones_of
+from visualspeech.models.registry import load_model
+from visualspeech.models.task import Model
 from visualspeech.provenance import file_digest
-from visualspeech.speech.alignment import Alignment
-from visualspeech.speech.phones import SILENCE
 from visualspeech.storage import read_model_of, read_text, write_model, write_text
-from visualspeech.timing import frame_times
 
 KIND = "visualspeech speaker"
-VERSION = 1
+VERSION = 2
 DESCRIPTION = "speaker.json"
-PARTS = ("network", "aam", "reference", "head", "rest", "background")
+PARTS = ("model", "aam", "reference", "head", "rest", "background")
 FILES = {name: f"{name}.safetensors" for name in PARTS} | {"background": "background.h5"}
-_SHORT_SILENCE = {"after": 0.12, "before": 0.12}  # seconds to speech in recordings without a long silence
 
 
 @dataclass(frozen=True)
@@ -40,7 +38,7 @@ class SpeakerBundle:
 
     Parameters
     ----------
-    network : from labels to appearance
+    trained : model of any family, from new speech to the parameters of the visual coding
     speaker : head, appearance model, texture grid
     background : recorded pictures to put the lower face on
     rest : (N,) appearance of the face in silence
@@ -49,7 +47,7 @@ class SpeakerBundle:
     digest : of the whole bundle
     """
 
-    network: Network
+    trained: Model
     speaker: Speaker
     background: Background
     rest: np.ndarray
@@ -81,18 +79,18 @@ class SpeakerBundle:
                     f"{path} is not the file that this speaker was made of (digest {file_digest(path)}, not "
                     f"{expected}): the parts of two speakers were mixed, or the file was changed. Make it anew."
                 )
-        network = Network.load(folder / FILES["network"])
+        trained = load_model(folder / FILES["model"])
         speaker = Speaker.load(*(folder / FILES[name] for name in ("head", "aam", "reference")))
-        check_together(network, speaker, about["parts"]["aam"], about["phones"])
+        check_together(trained, speaker, about["parts"]["aam"], about["phones"])
         rest = read_model_of(folder / FILES["rest"], "face at rest", ["rest"], ["appearance"])[0]["appearance"]
-        if rest.shape != (network.outputs,):
+        if rest.shape != (trained.outputs,):
             raise DataError(f"{folder / FILES['rest']} is a face of another appearance model. Make the speaker anew.")
         background, aam = Background.load(folder / FILES["background"]), speaker.aam
         sizes = background.shapes.shape[1], background.textures.shape[1]
         if sizes != (len(aam.shape_mean), len(aam.texture_mean)):
             raise DataError(f"{folder / FILES['background']} is of another appearance model. Make the speaker anew.")
         return cls(
-            network=network,
+            trained=trained,
             speaker=speaker,
             background=background,
             rest=rest,
@@ -104,96 +102,34 @@ class SpeakerBundle:
         )
 
 
-def check_together(network: Network, speaker: Speaker, aam_digest: str, phones) -> None:
-    """Whether a network was trained for an appearance model and for an inventory of phones, before any long work.
+def check_together(trained: Model, speaker: Speaker, aam_digest: str, phones) -> None:
+    """Check, before any long work, that a model was trained for an appearance model and for an inventory of phones.
 
     Raises
     ------
     DataError
         It was not.
     """
-    sizes, aam = len(speaker.aam.appearance_components), speaker.aam
-    if network.outputs != sizes or (network.aam and network.aam != aam_digest):
+    size, aam = len(speaker.aam.appearance_components), speaker.aam
+    if trained.outputs != size or (trained.coding and trained.coding != aam_digest):
         raise DataError(
-            f"the network was trained for another appearance model (digest {network.aam or 'not known'}, "
-            f"{network.outputs} components) than the one given (digest {aam_digest}, {sizes} components); give the "
-            "aam/model.safetensors of the network's own run, or train the network anew."
+            f"the model was trained for another appearance model (digest {trained.coding or 'not known'}, "
+            f"{trained.outputs} components) than the one given (digest {aam_digest}, {size} components); give the "
+            "appearance model of the same run, or train the model again."
         )
-    if list(network.phones) != list(phones):
-        differ = sorted(set(network.phones) ^ set(phones))
-        shown = f"{', '.join(differ[:6])} in one of them alone" if differ else "in another order"
+    known = phones_of(trained)
+    if known and list(known) != list(phones):
+        differ = sorted(set(known) ^ set(phones))
+        shown = f"{', '.join(differ[:6])} in only one of them" if differ else "in another order"
         raise DataError(
-            f"the network was trained for other phones ({len(network.phones)}) than those given ({len(list(phones))}; "
-            f"{shown}); give the phones.tsv of the network's own run, or train the network anew."
+            f"the model was trained for other phones ({len(known)}) than those given ({len(list(phones))}; {shown}); "
+            "give the phones.tsv of the same run, or train the model again."
         )
     if len(aam.texture_mean) != 3 * speaker.reference.size:
         raise DataError(
             f"the appearance model has textures of {len(aam.texture_mean) // 3} pixels, the reference grid "
             f"{speaker.reference.size}; give the reference.safetensors of the same run."
         )
-
-
-def resting_frames(
-    alignment: Alignment, frames: int, rate: float, after: float = 0.25, before: float = 0.5
-) -> np.ndarray:
-    """Frames of one utterance in which the face is at rest, (frames,) bool: silence away from speech.
-
-    The mouth closes soon after speech, but opens long before it, to draw breath.
-
-    Parameters
-    ----------
-    frames, rate : number of frames and frame rate (Hz) of the visual stream
-    after, before : minimum time in seconds after speech and before speech
-    """
-    times, resting = frame_times(frames, rate), np.ones(frames, bool)
-    for phone in alignment.phones:
-        if phone.label != SILENCE:
-            resting &= (times < phone.start - before) | (times > phone.end + after)
-    return resting
-
-
-def resting_face(utterances: Callable[[], Iterable[tuple]]) -> np.ndarray:
-    """The face at rest, (N,) float32: mean over long silences, or over short ones where no utterance has a long one.
-
-    Parameters
-    ----------
-    utterances : returns, each time it is called, an iterable of (:class:`Alignment`, appearance (frames, N), rate in
-        Hz), one item per utterance, so that they need not be in memory together
-
-    Raises
-    ------
-    DataError
-        No utterance has silence.
-    """
-
-    def silences(**away) -> Iterator[np.ndarray]:
-        return (values[resting_frames(spoken, len(values), rate, **away)] for spoken, values, rate in utterances())
-
-    # Recordings that are cut close to the speech have no long silence.
-    return rest_of(silences() if any(map(len, silences())) else silences(**_SHORT_SILENCE))
-
-
-def rest_of(silences: Iterable[np.ndarray]) -> np.ndarray:
-    """The face at rest, (N,) float32: the mean over all frames of silence.
-
-    Parameters
-    ----------
-    silences : appearance (frames, N) of these frames, one array per utterance
-
-    Raises
-    ------
-    DataError
-        There are no such frames.
-    """
-    total, count = 0.0, 0
-    for appearance in silences:
-        total, count = total + np.asarray(appearance, np.float64).sum(axis=0), count + len(appearance)
-    if not count:
-        raise DataError(
-            "the training utterances have no silence that shows the face at rest; record with half a second of silence "
-            "before and after each sentence."
-        )
-    return (total / count).astype(np.float32)
 
 
 def describe_bundle(
@@ -208,21 +144,21 @@ def describe_bundle(
     """
     folder = Path(folder)
     write_model(folder / FILES["rest"], {"appearance": np.asarray(rest, np.float32)}, {"kind": "rest"})
-    network = Network.load(folder / FILES["network"])
+    trained = load_model(folder / FILES["model"])
     speaker = Speaker(
         HeadModel.load(folder / FILES["head"]),
         Aam.load(folder / FILES["aam"]),
         Reference.load(folder / FILES["reference"]),
     )
     parts = {name: file_digest(folder / FILES[name]) for name in PARTS}
-    check_together(network, speaker, parts["aam"], phones)
+    check_together(trained, speaker, parts["aam"], phones)
     about = {
         "kind": KIND,
         "version": VERSION,
         "corpus": corpus,
         "model": model,
         "consent": consent,
-        "rate": network.rate,
+        "rate": trained.rate,
         "phones": list(phones),
         "state_shares": {phone: [round(float(value), 5) for value in values] for phone, values in shares.items()},
         "parts": parts,
@@ -235,7 +171,7 @@ def _description(folder: Path) -> dict:
     if not path.is_file():
         raise StorageError(
             f"{folder} is no speaker: it holds no {DESCRIPTION}. Give the folder that the workflow's target `speaker` "
-            "has written, results/<corpus>/<experiment>/speakers/<model>."
+            "has written, results/<corpus>/<system>/speakers/<model>."
         )
     try:
         about = json.loads(read_text(path))

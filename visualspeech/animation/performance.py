@@ -1,6 +1,6 @@
 """What a talking head says and how its face moves, before any picture is made.
 
-Sentence after sentence is spoken and goes through the network; sound and appearance are kept on disk, so that a text
+Sentence after sentence is spoken and goes through the model; sound and appearance are kept on disk, so that a text
 may be of any length, and what can be wrong with it is found before the long work of the pictures.
 """
 
@@ -10,10 +10,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from visualspeech.errors import DataError
-from visualspeech.features.label_parts import full_labels
 from visualspeech.jobs import log
 from visualspeech.media.spooling import Spool
-from visualspeech.models.network import Network
+from visualspeech.models.inventory import phones_of, predict_alignment
+from visualspeech.models.task import Model
 from visualspeech.speech.alignment import Alignment
 from visualspeech.speech.phones import SILENCE
 from visualspeech.speech.spoken import Spoken
@@ -55,7 +55,7 @@ class Performance:
             yield self.samples[start : start + step].astype(np.float32) / FULL_SCALE
 
 
-def perform(spoken: Iterable[Spoken], network: Network, rest: np.ndarray, ramp: float = REST) -> Performance:
+def perform(spoken: Iterable[Spoken], model: Model, rest: np.ndarray, ramp: float = REST) -> Performance:
     """Predict the face of everything that is said, sentence by sentence; memory does not grow with their number.
 
     Parameters
@@ -63,7 +63,7 @@ def perform(spoken: Iterable[Spoken], network: Network, rest: np.ndarray, ramp: 
     spoken : sentences in their order
     rest : (N,) appearance in silence
     ramp : seconds from the border of a pause until the face is wholly at rest; speech goes into a pause and comes out
-        of it by the network alone, and inside it the mouth is that of the speaker in silence
+        of it by the model alone, and inside it the mouth is that of the speaker in silence
 
     Raises
     ------
@@ -75,12 +75,12 @@ def perform(spoken: Iterable[Spoken], network: Network, rest: np.ndarray, ramp: 
     texts: list[str] = []
     audio_rate = 0
     told: set[str] = set()
-    samples, faces = Spool(np.int16), Spool(np.float32, network.outputs)
+    samples, faces = Spool(np.int16), Spool(np.float32, model.outputs)
     for one in spoken:
         if audio_rate and one.rate != audio_rate:
             raise DataError(f"one sentence is sound of {one.rate} Hz, another of {audio_rate} Hz.")
         audio_rate = one.rate
-        alignment, replaced = in_phones_of(one.alignment, network.phones)
+        alignment, replaced = in_phones_of(one.alignment, phones_of(model))
         if set(replaced) - told:
             told |= set(replaced)
             log.info(
@@ -88,15 +88,15 @@ def perform(spoken: Iterable[Spoken], network: Network, rest: np.ndarray, ramp: 
                 ", ".join(f"{other} is shown for {phone}" for phone, other in sorted(replaced.items())),
             )
         # Every sentence ends with a frame: what is missing of its last is silence. One sample over is rounding.
-        count = max(1, int(np.ceil((len(one.samples) - 1) / one.rate * network.rate - 1e-6)))
-        faces.append(face_of(alignment, count, network, rest, ramp))
-        length = round(len(faces) * one.rate / network.rate) - len(samples)
+        count = max(1, int(np.ceil((len(one.samples) - 1) / one.rate * model.rate - 1e-6)))
+        faces.append(face_of(alignment, count, model, rest, ramp))
+        length = round(len(faces) * one.rate / model.rate) - len(samples)
         sound = np.pad(one.samples, (0, max(0, length - len(one.samples))))[:length]
         samples.append(np.clip(np.rint(sound * FULL_SCALE), -FULL_SCALE, FULL_SCALE - 1))
         texts.append(one.text)
     if not texts:
         raise DataError("there is nothing to say.")
-    return Performance(" ".join(filter(None, texts)), samples, audio_rate, faces, float(network.rate))
+    return Performance(" ".join(filter(None, texts)), samples, audio_rate, faces, float(model.rate))
 
 
 def in_phones_of(alignment: Alignment, phones) -> tuple[Alignment, dict[str, str]]:
@@ -107,23 +107,22 @@ def in_phones_of(alignment: Alignment, phones) -> tuple[Alignment, dict[str, str
     SettingError
         The model's phones are of another kind.
     """
-    replaced = substitutes((one.label for one in alignment.phones), phones)
+    replaced = substitutes((one.label for one in alignment.phones), phones) if phones else {}
     if not replaced:
         return alignment, {}
     renamed = tuple(replace(one, label=replaced.get(one.label, one.label)) for one in alignment.phones)
     return replace(alignment, phones=renamed), replaced
 
 
-def face_of(alignment: Alignment, frames: int, network: Network, rest: np.ndarray, ramp: float) -> np.ndarray:
-    """Appearance (frames, N) of one sentence: the network's, and in pauses the face at rest.
+def face_of(alignment: Alignment, frames: int, model: Model, rest: np.ndarray, ramp: float) -> np.ndarray:
+    """Appearance (frames, N) of one sentence: the model's, and in pauses the face at rest.
 
     Parameters
     ----------
     ramp : seconds from the border of a pause to the face at rest
     """
-    labels = full_labels(alignment, frames, network.rate, network.phones, network.parts)
-    weight = pause_weights(alignment, frames, network.rate, ramp)[:, None]
-    return ((1 - weight) * network.predict(labels) + weight * rest).astype(np.float32)
+    weight = pause_weights(alignment, frames, model.rate, ramp)[:, None]
+    return ((1 - weight) * predict_alignment(model, alignment, frames) + weight * rest).astype(np.float32)
 
 
 def pause_weights(alignment: Alignment, frames: int, rate: float, ramp: float) -> np.ndarray:

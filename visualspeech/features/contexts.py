@@ -7,12 +7,25 @@ import numpy as np
 from visualspeech.errors import DataError
 from visualspeech.speech.alignment import Alignment
 from visualspeech.speech.phones import SILENCE
+from visualspeech.storage import read_table, write_table
 
 
 def phone_inventory(alignments: Iterable[Alignment]) -> list[str]:
     """The phones of a corpus, silence first and the others sorted: K entries."""
     found = {one.label for alignment in alignments for one in alignment.phones}
     return [SILENCE, *sorted(found - {SILENCE})]
+
+
+def write_phones(path, phones: Sequence[str]) -> None:
+    """Write an inventory as a table with the column ``phone``."""
+    import pandas
+
+    write_table(path, pandas.DataFrame({"phone": list(phones)}))
+
+
+def read_phones(path) -> list[str]:
+    """The inventory of a table with the column ``phone``, in its order."""
+    return read_table(path, ("phone",))["phone"].tolist()
 
 
 def phone_contexts(alignment: Alignment, phones: Sequence[str], before: int = 1, after: int = 1) -> np.ndarray:

@@ -34,7 +34,7 @@ def part_sizes(parts: Sequence[str]) -> tuple[int, ...]:
     """
     for part in parts:
         if part not in PARTS:
-            raise SettingError(f"`networks.label_parts: {part}` is unknown. Known: {', '.join(PARTS)}.")
+            raise SettingError(f"`blocks: parts: {part}` is unknown. Known: {', '.join(PARTS)}.")
     return tuple(len(PARTS[part]) for part in parts)
 
 

@@ -12,13 +12,7 @@ from visualspeech.errors import DataError
 from visualspeech.features.contexts import phone_contexts
 from visualspeech.speech.alignment import Alignment, starts_of
 from visualspeech.speech.phones import STATES
-from visualspeech.storage import read_table
 from visualspeech.timing import frame_times, interval_of_frame
-
-
-def read_phones(path) -> list[str]:
-    """The inventory in a table with the column ``phone``, in its order."""
-    return read_table(path, ("phone",))["phone"].tolist()
 
 
 def label_indices(alignment: Alignment, frames: int, rate: float, phones: Sequence[str]) -> np.ndarray:

@@ -56,7 +56,7 @@ FAMILIES = {
     ),
     "hmm": Family(
         "visualspeech.models.hmm.family",
-        "visualspeech.models.hmm.settings:HmmSettings",
+        "visualspeech.models.hmm.model:HmmSettings",
         title=lambda name, settings: _HMM_TITLES[settings["variant"]],
     ),
     "lookup": Family(

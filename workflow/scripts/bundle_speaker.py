@@ -8,7 +8,7 @@ from visualspeech.corpora.table import of_split, read_utterances
 from visualspeech.errors import SettingError
 from visualspeech.face.aam.model import reference_face
 from visualspeech.face.pose import Pose
-from visualspeech.features.labels import read_phones
+from visualspeech.features.contexts import read_phones
 from visualspeech.jobs import job, log
 from visualspeech.media.reading import read_frames
 from visualspeech.speech.alignment import read_alignments

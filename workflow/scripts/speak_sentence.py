@@ -10,5 +10,5 @@ with job(snakemake.log[0]):
     bundle, voice = SpeakerBundle.load(snakemake.input[0]), VoiceSettings(**snakemake.params.voice)
     settings = SpeakSettings(label=snakemake.params.label)
     spoken = speak_text(snakemake.params.text, voice, bundle.shares)
-    performance = perform(spoken, bundle.network, bundle.rest)
+    performance = perform(spoken, bundle.trained, bundle.rest)
     speak(snakemake.output[0], performance, bundle, f"synthetic (eSpeak NG, {voice.voice})", settings)

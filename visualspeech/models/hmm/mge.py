@@ -78,7 +78,7 @@ def refine(hmm: Hmm, training: Sequence[Example], validation: Sequence[Example])
             moved = replace(
                 hmm.gaussians, mean=hmm.gaussians.mean + deviation * offset[0], variance=variance * np.exp(-offset[1])
             )
-            current = replace(hmm, kind="mge", gaussians=moved)
+            current = replace(hmm, gaussians=moved)
         error = generation_error(current, validation)
         log.info("epoch %d: training %.4f (during the epoch), validation %.4f", epoch, total / frames, error)
         history += [["mge", epoch, "training_error", total / frames], ["mge", epoch, "validation_error", error]]
@@ -88,7 +88,7 @@ def refine(hmm: Hmm, training: Sequence[Example], validation: Sequence[Example])
         if since >= settings.mge_patience:
             break
     about = {**hmm.about, "history": [*hmm.about.get("history", []), *history]}
-    return replace(best, kind="mge", about=about)
+    return replace(best, about=about)
 
 
 def _adam(moments: np.ndarray, direction: np.ndarray, updates: int) -> tuple[np.ndarray, np.ndarray]:

@@ -2,7 +2,6 @@
 
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field
-from pathlib import Path
 
 import numpy as np
 
@@ -13,7 +12,7 @@ from visualspeech.models.hmm.generation import Trajectory, generate
 from visualspeech.models.hmm.segments import PhoneTrack
 from visualspeech.models.hmm.statistics import Gaussians
 from visualspeech.models.hmm.tying import Tying
-from visualspeech.storage import part_of, read_model_of, write_model
+from visualspeech.storage import part_of
 from visualspeech.timing import frames_in
 
 
@@ -23,6 +22,7 @@ class HmmSettings:
 
     Parameters
     ----------
+    variant : ``monophone``, ``tied`` (tied-state HMMs of phones in context) or ``mge`` (minimum generation error)
     states : of each phone, left to right (Fan 2015, section 5.3: five)
     rate : frame rate of the HMMs in Hz; streams are resampled to it, since a phone lasts hardly longer than a frame of
         video
@@ -42,6 +42,7 @@ class HmmSettings:
     seed : of the order of the utterances
     """
 
+    variant: str = "monophone"
     states: int = 5
     rate: float = 100.0
     window: float = 0.04
@@ -92,23 +93,19 @@ class Hmm:
 
     Parameters
     ----------
-    kind : ``monophone``, ``tied`` or ``mge``
-    settings : structure and training
+    settings : structure, training, and the variant: ``monophone``, ``tied`` or ``mge``
     phones : inventory that the indices refer to, K entries
     tying : from a phone in context and a state to a Gaussian
     gaussians : distributions of the states
     self_transition : (K, S) self-transition probabilities; used by training only
-    aam : digest of the appearance model whose parameters are predicted
     about : how the HMMs were trained, for people; ``history`` is a list of (stage, round, figure, value)
     """
 
-    kind: str
     settings: HmmSettings
     phones: tuple[str, ...]
     tying: Tying
     gaussians: Gaussians
     self_transition: np.ndarray
-    aam: str = ""
     about: Mapping = field(default_factory=dict)
 
     def states_of(self, contexts: np.ndarray, lengths: np.ndarray) -> np.ndarray:
@@ -155,34 +152,28 @@ class Hmm:
 
         return pandas.DataFrame(list(self.about.get("history", [])), columns=["stage", "round", "figure", "value"])
 
-    def save(self, path: str | Path) -> None:
-        """Write the HMMs as one safetensors file."""
-        tensors = {"self_transition": self.self_transition}
+    def state(self) -> tuple[dict[str, np.ndarray], dict]:
+        """The HMMs as arrays and plain data, see :meth:`restore`."""
+        arrays = {"self_transition": self.self_transition}
         for part in ("tying", "gaussians"):
-            arrays = {name: values for name, values in vars(getattr(self, part)).items() if np.ndim(values)}
-            tensors |= {f"{part}.{name}": values for name, values in arrays.items()}
-        settings = {
-            "kind": "hmm",
-            "variant": self.kind,
-            "hmm": asdict(self.settings),
+            own = {name: values for name, values in vars(getattr(self, part)).items() if np.ndim(values)}
+            arrays |= {f"{part}.{name}": values for name, values in own.items()}
+        plain = {
+            "settings": asdict(self.settings),
             "phones": list(self.phones),
             "contexts": {"columns": self.tying.columns, "centre": self.tying.centre},
-            "aam": self.aam,
             "about": dict(self.about),
         }
-        write_model(path, tensors, settings)
+        return arrays, plain
 
     @staticmethod
-    def load(path: str | Path) -> "Hmm":
-        """Read what :meth:`save` wrote; raises as :func:`visualspeech.storage.read_model_of`."""
-        tensors, settings = read_model_of(path, "HMMs", ["hmm"])
+    def restore(arrays: Mapping[str, np.ndarray], plain: Mapping) -> "Hmm":
+        """The inverse of :meth:`state`."""
         return Hmm(
-            kind=settings["variant"],
-            settings=HmmSettings(**settings["hmm"]),
-            phones=tuple(settings["phones"]),
-            tying=Tying(**part_of(tensors, "tying"), **settings["contexts"]),
-            gaussians=Gaussians(**part_of(tensors, "gaussians")),
-            self_transition=tensors["self_transition"],
-            aam=settings["aam"],
-            about=settings["about"],
+            settings=HmmSettings(**plain["settings"]),
+            phones=tuple(plain["phones"]),
+            tying=Tying(**part_of(arrays, "tying"), **plain["contexts"]),
+            gaussians=Gaussians(**part_of(arrays, "gaussians")),
+            self_transition=arrays["self_transition"],
+            about=plain["about"],
         )

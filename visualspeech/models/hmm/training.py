@@ -14,9 +14,7 @@ from visualspeech.models.hmm.statistics import Gaussians, Statistics, accumulate
 from visualspeech.models.hmm.tying import Cases, grow, monophones
 
 
-def fit_monophones(
-    training: Sequence[Example], phones: Sequence[str], settings: HmmSettings | None = None, aam: str = ""
-) -> Hmm:
+def fit_monophones(training: Sequence[Example], phones: Sequence[str], settings: HmmSettings | None = None) -> Hmm:
     """Monophone HMMs: a flat start inside the phone boundaries of the alignment, then Baum-Welch.
 
     Parameters
@@ -24,7 +22,6 @@ def fit_monophones(
     training : utterances as (:class:`PhoneTrack`, values (T, N), their rate in Hz)
     phones : inventory, K entries
     settings : states, rate, iterations
-    aam : digest of the appearance model, kept with the HMMs
 
     Raises
     ------
@@ -46,7 +43,7 @@ def fit_monophones(
     gaussians, self_transition, history = baum_welch(
         training, tying.find, start, first.self_transition(), settings, "monophone", settings.monophone_iterations
     )
-    return Hmm("monophone", settings, tuple(phones), tying, gaussians, self_transition, aam, {"history": history})
+    return Hmm(settings, tuple(phones), tying, gaussians, self_transition, {"history": history})
 
 
 def fit_tied(monophone: Hmm, training: Sequence[Example]) -> Hmm:
@@ -112,9 +109,7 @@ def fit_tied(monophone: Hmm, training: Sequence[Example]) -> Hmm:
         "gaussians": tying.gaussians,
         "history": [*monophone.about.get("history", []), *history],
     }
-    return replace(
-        monophone, kind="tied", tying=tying, gaussians=gaussians, self_transition=self_transition, about=about
-    )
+    return replace(monophone, tying=tying, gaussians=gaussians, self_transition=self_transition, about=about)
 
 
 def baum_welch(

@@ -1,0 +1,112 @@
+"""Phone HMMs as a family of models: they read the phones of an utterance with their times; one row starts another."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+
+from visualspeech.errors import DataError
+from visualspeech.features.blocks.base import Block
+from visualspeech.features.examples import Example
+from visualspeech.features.streams import Stream
+from visualspeech.models.block_states import pack, unpack
+from visualspeech.models.hmm.mge import refine
+from visualspeech.models.hmm.model import Hmm, HmmSettings
+from visualspeech.models.hmm.segments import PhoneTrack
+from visualspeech.models.hmm.training import fit_monophones, fit_tied
+from visualspeech.models.task import Fitted, Task, check_examples, check_streams
+from visualspeech.storage import read_model_of, write_model
+
+FAMILY = "hmm"
+
+
+@dataclass(frozen=True)
+class HmmModel:
+    """HMMs with the input block that they read.
+
+    Parameters
+    ----------
+    hmm : monophone, tied-state or MGE-trained
+    blocks : one segmental block of phone contexts
+    rate : frame rate of the training utterances in Hz
+    coding : digest of the visual coding whose parameters are predicted
+    """
+
+    hmm: Hmm
+    blocks: Mapping[str, Block]
+    rate: float
+    coding: str = ""
+
+    @property
+    def outputs(self) -> int:
+        """Dimension N of the parameters."""
+        return self.hmm.gaussians.mean.shape[1] // 3
+
+    def predict(self, streams: Sequence[Stream], frames: int, rate: float) -> np.ndarray:
+        """Parameters (frames, N) float32 at ``rate`` Hz of the phones of one utterance.
+
+        Raises
+        ------
+        DataError
+            There is no frame, or the stream does not fit the block.
+        """
+        check_streams(streams, self.blocks)
+        return self.hmm.predict(track_of(streams[0]), frames, rate)
+
+    def save(self, path: str | Path) -> None:
+        """Write it as one safetensors file."""
+        arrays, blocks = pack(self.blocks)
+        own, state = self.hmm.state()
+        settings = {"kind": "model", "family": FAMILY, "hmm": state, "blocks": blocks, "rate": float(self.rate)}
+        write_model(path, {**arrays, **own}, {**settings, "coding": self.coding})
+
+
+def track_of(stream: Stream) -> PhoneTrack:
+    """The phones of an utterance; the phone itself is in the middle column of its context."""
+    return PhoneTrack(stream.index.astype(np.int64), stream.starts, (stream.index.shape[1] - 1) // 2)
+
+
+class _Tracks(Sequence):
+    """Utterances as HMMs are trained on them: (phone track, values (T, N), rate in Hz)."""
+
+    def __init__(self, examples: Sequence[Example]) -> None:
+        self._examples = examples
+
+    def __len__(self) -> int:
+        return len(self._examples)
+
+    def __getitem__(self, number: int) -> tuple[PhoneTrack, np.ndarray, float]:
+        streams, target, rate = self._examples[number]
+        return track_of(streams[0]), target, rate
+
+
+def fit(task: Task) -> Fitted:
+    """Train the HMMs of a row: from the utterances (monophone), or from the row before (tied, mge).
+
+    Raises
+    ------
+    DataError
+        There is no utterance to learn from, the row reads no block of phone contexts, or its parent is missing.
+    """
+    row, settings = task.row, HmmSettings(**task.row.settings, seed=task.row.seed)
+    blocks = list(task.blocks.values())
+    if len(blocks) != 1 or not blocks[0].layout.segmental:
+        raise DataError(f"`models.{row.name}.reads` must name one segmental block, of kind phone_track.")
+    check_examples(task.training, task.blocks, "training")
+    training, validation = _Tracks(task.training), _Tracks(task.validation)
+    if settings.variant == "monophone":
+        hmm = fit_monophones(training, blocks[0].phones, settings)
+    else:
+        if task.parent is None:
+            raise DataError(f"`models.{row.name}` is of the variant {settings.variant} and needs `from`.")
+        start = replace(load(task.parent).hmm, settings=settings)
+        hmm = fit_tied(start, training) if settings.variant == "tied" else refine(start, training, validation)
+    return Fitted(HmmModel(hmm, task.blocks, float(task.training[0].rate), task.coding), hmm.history_table())
+
+
+def load(path: str | Path) -> HmmModel:
+    """Read saved HMMs; raises as :func:`visualspeech.storage.read_model_of`."""
+    arrays, settings = read_model_of(path, "phone HMMs", ["model"], ["self_transition"], FAMILY)
+    hmm = Hmm.restore(arrays, settings["hmm"])
+    return HmmModel(hmm, unpack(arrays, settings["blocks"]), settings["rate"], settings["coding"])
