@@ -14,7 +14,7 @@ import yaml
 
 from visualspeech.errors import SettingError
 from visualspeech.naming import NetworkName, parse_name
-from visualspeech.schema import check, did_you_mean
+from visualspeech.schema import check, did_you_mean, fill_defaults, load_schema
 
 
 def read_yaml(path: Path) -> dict:
@@ -55,7 +55,7 @@ def merged(base: Mapping, over: Mapping) -> dict:
 
 
 def resolve(config: Mapping, folder: Path) -> dict:
-    """All settings of a run from what the user gave; ``folder`` is the repository's ``config`` folder.
+    """All settings of a run, defaults filled in, from what the user gave; ``folder``: the repository's ``config``.
 
     Raises
     ------
@@ -66,7 +66,9 @@ def resolve(config: Mapping, folder: Path) -> dict:
     layers = read_yaml(_named(experiment, "experiment", folder / "experiments"))
     settings = merged(layers, config)
     settings["corpus"] = _corpus(config.get("corpus"), folder / "corpora")
-    check(settings, read_yaml(folder.parent / "workflow" / "schemas" / "config.schema.yaml"))
+    schema = load_schema(folder.parent / "workflow" / "schemas" / "config.schema.yaml")
+    check(settings, schema)
+    settings = fill_defaults(settings, schema)
     _check_together(settings)
     return settings
 

@@ -5,20 +5,19 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from visualspeech.errors import SettingError
 from visualspeech.features.labels import label_indices
 from visualspeech.features.resampling import resample
+from visualspeech.fields import Settings, setting
 
 
 @dataclass(frozen=True)
-class FeatureSettings:
-    """The common frame rate of labels and visual parameters in Hz (Fan 2015, section 5.1: 25); 0 keeps the video's."""
+class FeatureSettings(Settings):
+    """Frame rate of the streams that models learn from (Fan 2015, section 5.1: 25)."""
 
-    rate: float = 25.0
-
-    def __post_init__(self) -> None:
-        if self.rate < 0:
-            raise SettingError(f"`features.rate: {self.rate}` must be a frame rate in Hz, or 0 for the video's own.")
+    section = "features"
+    rate: float = setting(
+        25.0, "Frame rate of labels and visual parameters in Hz; 0 keeps that of the video.", minimum=0, maximum=1000
+    )
 
 
 def feature_streams(

@@ -8,6 +8,7 @@ import numpy as np
 
 from visualspeech.errors import DataError, SettingError
 from visualspeech.features.labels import STATES
+from visualspeech.fields import Settings, restored, setting
 from visualspeech.storage import part_of, read_model_of, write_model
 
 KINDS = ("training_mean", "phone_state_mean", "triphone_state_mean")
@@ -17,18 +18,16 @@ _LOOKS = {"triphone": (0, 1, 2, 3), "left": (0, 1, 3), "right": (1, 2, 3), "phon
 
 
 @dataclass(frozen=True)
-class BaselineSettings:
-    """
-    Parameters
-    ----------
-    min_count : training frames that a mean must rest on; below it the next, coarser one is used
-    """
+class BaselineSettings(Settings):
+    """Trivial baselines: means of the training frames."""
 
-    min_count: int = 3
-
-    def __post_init__(self) -> None:
-        if self.min_count < 1:
-            raise SettingError(f"`baselines.min_count: {self.min_count}` must be at least 1.")
+    section = "baselines"
+    min_count: int = setting(
+        3,
+        "Minimum number of training frames behind a mean; rarer labels back off to the next coarser mean.",
+        minimum=1,
+        maximum=1_000_000,
+    )
 
 
 @dataclass(frozen=True)
@@ -108,7 +107,7 @@ class Baseline:
         tensors, settings = read_model_of(path, "baseline", KINDS)
         return Baseline(
             settings["kind"],
-            BaselineSettings(**settings["baseline"]),
+            restored(BaselineSettings, settings["baseline"], path),
             settings["phones"],
             tensors["mean"],
             *(part_of(tensors, part) for part in ("codes", "means", "counts")),

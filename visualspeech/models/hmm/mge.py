@@ -66,8 +66,10 @@ def refine(hmm: Hmm, training: Sequence[tuple], validation: Sequence[tuple]) -> 
     log.info("generation error before: training %.4f, validation %.4f", history[0][3], lowest)
     for epoch in range(1, settings.mge_epochs + 1):
         order, total, frames = generator.permutation(len(training)), 0.0, 0
-        for start in range(0, len(order), settings.mge_batch):
-            slope = gradient(current, [training[int(number)] for number in order[start : start + settings.mge_batch]])
+        for start in range(0, len(order), settings.mge_batch_size):
+            slope = gradient(
+                current, [training[int(number)] for number in order[start : start + settings.mge_batch_size]]
+            )
             total, frames, updates = total + slope.error, frames + slope.frames, updates + 1
             # The steps of the means are in deviations of the first model.
             direction = np.stack([slope.mean * deviation, slope.log_precision])

@@ -65,7 +65,7 @@ def fit_tied(monophone: Hmm, training: Sequence[tuple]) -> Hmm:
     for _ in range(settings.untied_iterations):
         sums = accumulate(training, untied.find, len(parent), gaussians, stay, settings.rate, settings.step)
         floor = _overall(sums, settings)[1] if floor is None else floor
-        gaussians, stay = sums.gaussians(floor, prior, settings.untied_weight), sums.stay()
+        gaussians, stay = sums.gaussians(floor, prior, settings.map_tau), sums.stay()
     log.info("%d triphones, %d Gaussians before tying", len(untied.triphones), len(parent))
     # Frames between those of the video say nothing new: a frame counts as the share of a frame of video that it is.
     weight = min(training[0][2] / settings.rate, 1.0)
@@ -81,8 +81,8 @@ def fit_tied(monophone: Hmm, training: Sequence[tuple]) -> Hmm:
         settings.states,
         floor,
         settings.min_frames,
-        settings.mdl,
-        settings.of_each_phone,
+        settings.mdl_factor,
+        settings.tree_per_phone,
     )
     log.info("%d Gaussians after tying", tying.gaussians)
     start = _pooled(sums, tying.find(untied.triphones).ravel(), tying.gaussians).gaussians(
