@@ -62,7 +62,7 @@ def accuracy(corpus, truth) -> None:
         found = [word for word in alignment.words if word.label != "sil"]
         true = truth[utterance.id]
         errors.append([(a.start - b[1], a.end - b[2]) for a, b in zip(found, true, strict=True)])
-        loud = speech_part(samples, AlignmentSettings().speech_level, 0.0)[0] / RATE
+        loud = speech_part(samples, AlignmentSettings().speech_threshold, 0.0)[0] / RATE
         onsets.append((found[0].start - loud, true[0][1] - loud))
         words.append(found[0].label)
     errors, onsets = 1000 * np.array(errors), 1000 * np.array(onsets)

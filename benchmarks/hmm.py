@@ -51,7 +51,9 @@ def main(results: str, experiment: str, last: str, *changes: str) -> None:
 
 def _later(setting: str, name: str) -> bool:
     mge = setting.startswith("mge_")
-    tied = setting in ("mdl", "min_frames", "of_each_phone") or setting.startswith(("tied_", "untied_"))
+    tied = setting in ("mdl_factor", "map_tau", "min_frames", "tree_per_phone") or setting.startswith(
+        ("tied_", "untied_")
+    )
     return (mge and name != "hmm_mge") or (tied and name == "hmm_monophone")
 
 

@@ -92,10 +92,10 @@ def main() -> None:
     show("similarity", [normalised_by_a_plane_map(points, goal, False) for points in recordings])
     show("affine", [normalised_by_a_plane_map(points, goal, True) for points in recordings])
     for focal in (1.0, 4.0):
-        other = fit_head(sample, (360, 288), replace(PoseSettings(), focal=focal))
+        other = fit_head(sample, (360, 288), replace(PoseSettings(), focal_length=focal))
         show(f"focal {focal:g}", [to_frontal(points, estimate(points, other), other) for points in recordings])
     for rotation, place in ((0.0, 0.0), (4.0, 1.0)):
-        settings = replace(PoseSettings(), rotation_smoothing=rotation, place_smoothing=place)
+        settings = replace(PoseSettings(), rotation_smoothing=rotation, translation_smoothing=place)
         show(
             f"smoothed {rotation:g}, {place:g}",
             [to_frontal(points, estimate(points, head, settings), head) for points in recordings],

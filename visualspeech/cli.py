@@ -93,9 +93,11 @@ def _speak(given: argparse.Namespace) -> None:
         check_pronounceable(text)  # before anything is loaded
     from visualspeech.animation.bundle import SpeakerBundle
     from visualspeech.animation.performance import perform
-    from visualspeech.animation.speaking import SpeakSettings, speak
+    from visualspeech.animation.speaking import speak
+    from visualspeech.animation.speaking_settings import SpeakSettings
     from visualspeech.animation.walk import WalkSettings
-    from visualspeech.speech.spoken import VoiceSettings, speak_recording, speak_text
+    from visualspeech.speech.spoken import speak_recording, speak_text
+    from visualspeech.speech.spoken_settings import VoiceSettings
 
     bundle = SpeakerBundle.load(given.model)
     if given.audio:

@@ -1,40 +1,54 @@
 """Settings as frozen dataclasses: the default, the bounds and the description of a field stand in one place, beside it.
 
 The library checks a value when the dataclass is built; the workflow derives its schema from the same fields
-(:func:`section_schema`) and reports every mistake before a job starts.
+(:func:`section_schema`) and reports every mistake before a job starts. A settings class stands beside the functions
+that read it; where their module imports a heavy library (video, networks), in a module of its own, named
+``<module>_settings``, so that planning a run stays fast.
 """
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import MISSING, asdict, field, fields, is_dataclass
-from importlib import import_module
+from functools import cache
 from types import UnionType
 from typing import ClassVar, get_args, get_origin, get_type_hints
 
-from visualspeech.errors import SettingError
+from visualspeech.errors import SettingError, StorageError
 
 #: Keyword of :func:`setting` -> keyword of JSON Schema, the test, and how a message says it.
 _BOUNDS = {
     "minimum": ("minimum", lambda value, bound: value >= bound, "at least {}"),
-    "maximum": ("maximum", lambda value, bound: value <= bound, "at most {}"),
     "above": ("exclusiveMinimum", lambda value, bound: value > bound, "above {}"),
+    "maximum": ("maximum", lambda value, bound: value <= bound, "at most {}"),
     "below": ("exclusiveMaximum", lambda value, bound: value < bound, "below {}"),
 }
+#: Largest seed: what every generator of random numbers takes.
+MAX_SEED = 999_999_999
 _TYPES = {bool: "boolean", int: "integer", float: "number", str: "string"}
 
 
-def setting(default, description: str, *, choices: Sequence = (), item: Mapping | None = None, **bounds):
+def setting(default, description: str, *, choices: Collection = (), item: Mapping | None = None, **bounds):
     """A field of a settings dataclass.
 
     Parameters
     ----------
     default : value where none is given; a mutable one is copied
     description : one sentence with the unit, shown in messages and in the schema
-    choices : the values that are allowed; any where empty
-    item : for a list, JSON Schema keywords of its entries (``minimum``, ``enum``, ...)
-    bounds : ``minimum``, ``maximum``, ``above``, ``below``; ``min_items`` and ``unique`` of a list
+    choices : the values that are allowed; any where empty. A registry (a mapping by name) is read when it is asked
+    item : of a list, the rules of its entries as keywords of this function (``minimum``, ``choices``, ...) with their
+        ``description``; of a mapping, its JSON Schema
+    bounds : ``minimum``, ``maximum``, ``above``, ``below`` of a number; ``min_items`` and ``unique`` of a list;
+        ``min_length`` of a text
+
+    Raises
+    ------
+    TypeError
+        A bound is unknown.
     """
-    metadata = {"description": description, "choices": tuple(choices), "item": dict(item or {}), **bounds}
+    unknown = set(bounds) - {*_BOUNDS, "min_items", "unique", "min_length"}
+    if unknown:
+        raise TypeError(f"unknown bounds of a setting: {', '.join(sorted(unknown))}")
+    metadata = {"description": description, "choices": choices, "item": dict(item or {}), **bounds}
     if isinstance(default, dict | list):
         return field(default_factory=lambda: type(default)(default), metadata=metadata)
     return field(default=default, metadata=metadata)
@@ -42,6 +56,8 @@ def setting(default, description: str, *, choices: Sequence = (), item: Mapping 
 
 class Settings:
     """Base of settings dataclasses: every field is checked when one is built.
+
+    A list given for a tuple becomes one, and a mapping given for a nested settings dataclass builds it.
 
     Raises
     ------
@@ -53,27 +69,70 @@ class Settings:
     section: ClassVar[str] = ""
 
     def __post_init__(self) -> None:
-        for one in fields(self):
-            if one.metadata:
-                _check(self.section, one, getattr(self, one.name), type(self))
+        for name, kind, metadata in described_fields(type(self)):
+            value = getattr(self, name)
+            if get_origin(kind) is tuple and isinstance(value, list):
+                object.__setattr__(self, name, value := tuple(value))
+            if is_dataclass(kind) and isinstance(value, Mapping):
+                object.__setattr__(self, name, value := _built(kind, value))
+            rule = _broken_rule(value, kind, metadata)
+            if rule:
+                raise setting_error(type(self), name, value, rule)
 
 
-def _check(section: str, one, value, cls) -> None:
-    kind = get_type_hints(cls)[one.name]
-    rule = ""
+def setting_error(cls, name: str, value, rule: str) -> SettingError:
+    """An error that says of a field's value what it must be: `` `pose.noise: 0` must be <rule>. <description>``."""
+    key = f"{cls.section}.{name}" if cls.section else name
+    shown = list(value) if isinstance(value, tuple) else value
+    description = next((metadata["description"] for one, _, metadata in described_fields(cls) if one == name), "")
+    return SettingError(f"`{key}: {shown}` must be {rule}. {description}".rstrip())
+
+
+@cache
+def described_fields(cls) -> tuple[tuple[str, type, Mapping], ...]:
+    """Name, type and metadata (see :func:`setting`) of each field of a settings dataclass that is described."""
+    hints = get_type_hints(cls)
+    return tuple((one.name, hints[one.name], one.metadata) for one in fields(cls) if one.metadata)
+
+
+def _broken_rule(value, kind, metadata: Mapping) -> str:
+    """What a value must be and is not; empty where it is."""
+    if is_dataclass(kind):
+        return "" if isinstance(value, kind) else "lines of `key: value`"
+    if get_origin(kind) in (tuple, list):
+        return _broken_list_rule(value, get_args(kind)[0], metadata)
     if kind in (int, float) and not _is_number(value, kind):
-        rule = "a whole number" if kind is int else "a finite number"
-    elif kind in (bool, str) and not isinstance(value, kind):
-        rule = "true or false" if kind is bool else "text"
-    elif one.metadata["choices"] and value not in one.metadata["choices"]:
-        rule = f"one of {', '.join(map(str, one.metadata['choices']))}"
-    else:
-        for name, (_, holds, words) in _BOUNDS.items():
-            if name in one.metadata and isinstance(value, int | float) and not holds(value, one.metadata[name]):
-                rule = words.format(one.metadata[name])
-    if rule:
-        key = f"{section}.{one.name}" if section else one.name
-        raise SettingError(f"`{key}: {value}` must be {rule}. {one.metadata['description']}")
+        bounds = _range(metadata)
+        return f"a {'whole' if kind is int else 'finite'} number{', ' * bool(bounds)}{bounds}"
+    if kind in (bool, str) and not isinstance(value, kind):
+        return "true or false" if kind is bool else "a text"
+    choices = metadata.get("choices", ())
+    if choices and value not in list(choices):
+        return f"one of {', '.join(map(str, choices))}"
+    if kind is str and len(value) < metadata.get("min_length", 0):
+        return "a text that is not empty"
+    inside = all(holds(value, metadata[name]) for name, (_, holds, _) in _BOUNDS.items() if name in metadata)
+    return "" if inside else _range(metadata)
+
+
+def _range(metadata: Mapping) -> str:
+    """All limits of a number: ``at least 1 and at most 20``; empty where it has none."""
+    return " and ".join(words.format(metadata[name]) for name, (*_, words) in _BOUNDS.items() if name in metadata)
+
+
+def _broken_list_rule(values, kind, metadata: Mapping) -> str:
+    if not isinstance(values, tuple | list):
+        return "a list"
+    least = metadata.get("min_items", 0)
+    if len(values) < least:
+        return f"a list of at least {least} {'entry' if least == 1 else 'entries'}"
+    for value in values:
+        rule = _broken_rule(value, kind, metadata["item"])
+        if rule:
+            return f"a list in which every entry is {rule}"
+    if metadata.get("unique") and len(set(values)) < len(values):
+        return "a list that names each entry once"
+    return ""
 
 
 def _is_number(value, kind) -> bool:
@@ -90,70 +149,86 @@ def section_schema(cls, description: str = "", hidden: Sequence[str] = ()) -> di
     description : of the section; default: first line of the class's docstring
     hidden : fields that a run sets itself, such as ``seed``
     """
-    hints = get_type_hints(cls)
-    properties = {
-        one.name: _field_schema(hints[one.name], one.metadata)
-        for one in fields(cls)
-        if one.metadata and one.name not in hidden
-    }
     first = (cls.__doc__ or "").strip().split("\n")[0]
     return {
         "description": description or first,
         "type": "object",
         "additionalProperties": False,
-        "properties": properties,
+        "properties": {
+            name: _field_schema(kind, metadata) | _default_keyword(cls, name, kind)
+            for name, kind, metadata in described_fields(cls)
+            if name not in hidden
+        },
     }
 
 
+def _default_keyword(cls, name: str, kind) -> dict:
+    """The schema's keyword ``default``; a nested dataclass has it at its own fields."""
+    default = next(default_of(one) for one in fields(cls) if one.name == name)
+    return {} if is_dataclass(kind) else {"default": _plain(default)}
+
+
 def _field_schema(kind, metadata: Mapping) -> dict:
-    schema = {"description": metadata["description"]}
     if is_dataclass(kind):
         return section_schema(kind, metadata["description"])
     origin = get_origin(kind)
-    if metadata["choices"]:
+    schema = {"description": metadata["description"]} if "description" in metadata else {}
+    if metadata.get("choices"):
         schema["enum"] = list(metadata["choices"])
     elif kind in _TYPES:
         schema["type"] = _TYPES[kind]
     elif origin is UnionType:
         schema["type"] = [_TYPES[one] for one in get_args(kind)]
     elif origin in (tuple, list):
-        schema |= {"type": "array", "items": {"type": _TYPES[get_args(kind)[0]], **metadata["item"]}}
+        schema |= {"type": "array", "items": _field_schema(get_args(kind)[0], metadata["item"])}
         schema |= {"minItems": metadata["min_items"]} if "min_items" in metadata else {}
         schema |= {"uniqueItems": True} if metadata.get("unique") else {}
     else:  # a mapping: its own schema is given
         schema |= metadata["item"] or {"type": "object"}
-    for name, (keyword, _, _) in _BOUNDS.items():
-        if name in metadata:
-            schema[keyword] = metadata[name]
-    return schema
+    schema |= {"minLength": metadata["min_length"]} if "min_length" in metadata else {}
+    return schema | {keyword: metadata[name] for name, (keyword, _, _) in _BOUNDS.items() if name in metadata}
 
 
 def with_defaults(cls, given: Mapping, hidden: Sequence[str] = ()) -> dict:
-    """All fields of a section as plain data: what is given, and the defaults of what is not.
+    """All fields of a section as plain data (lists, not tuples): what is given, and the defaults of what is not.
 
     Raises
     ------
     SettingError
-        As :class:`Settings`.
+        As :class:`Settings`, or a key is unknown.
     """
-    filled = asdict(cls(**given))
-    return {name: value for name, value in filled.items() if name not in hidden}
+    return {name: value for name, value in _plain(asdict(_built(cls, given))).items() if name not in hidden}
+
+
+def restored(cls, stored: Mapping, path):
+    """Settings that a model file holds.
+
+    Raises
+    ------
+    StorageError
+        They are not those of this version of the library.
+    """
+    try:
+        return _built(cls, stored)
+    except SettingError as error:
+        raise StorageError(f"{path} was written by another version of this library ({error}) Make it anew.") from error
+
+
+def _built(cls, given: Mapping):
+    known = [one.name for one in fields(cls)]
+    unknown = [str(key) for key in given if key not in known]
+    if unknown:
+        names = ", ".join(f"`{cls.section + '.' if cls.section else ''}{key}`" for key in unknown)
+        raise SettingError(f"unknown setting {names}. Known here: {', '.join(sorted(known))}.")
+    return cls(**given)
+
+
+def _plain(value):
+    if isinstance(value, Mapping):
+        return {key: _plain(inner) for key, inner in value.items()}
+    return [_plain(inner) for inner in value] if isinstance(value, tuple | list) else value
 
 
 def default_of(one):
     """Default of a dataclass field."""
     return one.default if one.default is not MISSING else one.default_factory()
-
-
-def class_named(reference: str):
-    """The class that ``module:Class`` names, inside this package.
-
-    Raises
-    ------
-    ValueError
-        The module is outside the package.
-    """
-    module, _, name = reference.partition(":")
-    if module.partition(".")[0] != __name__.partition(".")[0]:
-        raise ValueError(f"{reference} is outside the package")
-    return getattr(import_module(module), name)

@@ -1,14 +1,25 @@
-"""Settings against their schema: every mistake as a sentence that names the setting, the rule and the way out."""
+"""Settings against their schema: every mistake as a sentence that names the setting, the rule and the way out.
+
+The schema is a YAML file. An object ``{settings: "visualspeech.face.head:PoseSettings", hidden: [seed]}`` in it stands
+for the schema of that dataclass (:func:`visualspeech.fields.section_schema`), so that defaults, bounds and descriptions
+are written once, in the library. ``description`` replaces the first line of the class's docstring, and ``properties``
+adds keys that are no fields of the class; with ``defaults: false`` keys that are not given stay so.
+"""
 
 import difflib
+import importlib
 import math
 from collections.abc import Mapping, Sequence
+from copy import deepcopy
 from decimal import Decimal, InvalidOperation
+from pathlib import Path
 
 import yaml
 
 from visualspeech.errors import SettingError
+from visualspeech.fields import section_schema, with_defaults
 
+PACKAGE = __name__.partition(".")[0]
 _KINDS = {
     "string": "a text",
     "integer": "a whole number",
@@ -19,10 +30,103 @@ _KINDS = {
 }
 _LIMITS = {
     "minimum": "at least {}",
-    "maximum": "at most {}",
     "exclusiveMinimum": "above {}",
+    "maximum": "at most {}",
     "exclusiveMaximum": "below {}",
 }
+
+
+def load_schema(path: str | Path) -> dict:
+    """A schema file as JSON Schema, with the sections that stand for settings dataclasses written out.
+
+    Such a section keeps its keys ``settings`` and ``hidden``, from which :func:`fill_defaults` knows its defaults.
+
+    Raises
+    ------
+    SettingError
+        A class that the schema names is not in this package.
+    """
+    return _written_out(yaml.safe_load(Path(path).read_text(encoding="utf-8")))
+
+
+def fill_defaults(settings: Mapping, schema: Mapping) -> dict:
+    """A copy of settings with all defaults filled in; neither argument is changed.
+
+    Sections of settings dataclasses get the defaults of their fields, other keys the ``default`` of their schema where
+    it has one. A section that is not given is filled as an empty one.
+
+    Parameters
+    ----------
+    settings : of a run, or of a part of it that ``schema`` describes
+    schema : from :func:`load_schema`, or its part for these settings
+
+    Raises
+    ------
+    SettingError
+        Values of a section do not fit each other.
+    """
+    return _filled(settings, schema, schema)
+
+
+def _written_out(node):
+    """A schema node with every reference to a settings dataclass replaced by the derived schema."""
+    if isinstance(node, list):
+        return [_written_out(inner) for inner in node]
+    if not isinstance(node, Mapping):
+        return node
+    inner = {key: _written_out(value) for key, value in node.items()}
+    if not _is_section(node):
+        return inner
+    derived = section_schema(settings_class(node["settings"]), node.get("description", ""), node.get("hidden", ()))
+    return {**derived, **inner, "properties": derived["properties"] | inner.get("properties", {})}
+
+
+def _is_section(node: Mapping) -> bool:
+    return isinstance(node.get("settings"), str)
+
+
+def settings_class(name: str):
+    """The class of this package that ``module:Class`` names.
+
+    Raises
+    ------
+    SettingError
+        There is none.
+    """
+    module, _, attribute = name.partition(":")
+    if not module.startswith(f"{PACKAGE}.") or not attribute.isidentifier():
+        raise SettingError(f"the schema names {name!r}, which is no class of {PACKAGE}; write {PACKAGE}.module:Class.")
+    try:
+        return getattr(importlib.import_module(module), attribute)
+    except (ImportError, AttributeError) as error:
+        raise SettingError(f"the schema names {name!r}, which does not exist ({error}).") from error
+
+
+def _filled(given, schema: Mapping, root: Mapping):
+    while "$ref" in schema:
+        name = schema["$ref"].rpartition("/")[2]
+        schema = {**root["$defs"][name], **{key: value for key, value in schema.items() if key != "$ref"}}
+    if isinstance(given, list) and isinstance(schema.get("items"), Mapping):
+        return [_filled(one, schema["items"], root) for one in given]
+    if not isinstance(given, Mapping):
+        return deepcopy(given)
+    known = schema.get("properties", {})
+    others = schema.get("additionalProperties")
+    others = others if isinstance(others, Mapping) else {}
+    filled = {key: _filled(value, known.get(key, others), root) for key, value in given.items()}
+    for key, inner in known.items():
+        if key in filled:
+            continue
+        if "default" in inner:
+            filled[key] = deepcopy(inner["default"])
+        elif value := _filled({}, inner, root):
+            filled[key] = value
+    if _is_section(schema) and schema.get("defaults", True):
+        cls, hidden = settings_class(schema["settings"]), schema.get("hidden", ())
+        fields = section_schema(cls, hidden=hidden)["properties"]
+        own = {key: value for key, value in filled.items() if key in fields}
+        filled |= with_defaults(cls, own, hidden)
+    return filled
 
 
 def check(settings: Mapping, schema: Mapping) -> None:
@@ -75,11 +179,18 @@ def _rule(problem) -> str:
     """What a value must be, said of it; the schema's own description follows."""
     rule, limit, value = problem.validator, problem.validator_value, problem.instance
     if rule in _LIMITS:
-        return f"must be {_LIMITS[rule].format(limit)}"
+        return f"must be {_range(problem.schema)}"
     if rule == "type":
-        return f"must be {_KINDS[limit]}{_way_out(limit, value)}"
+        bounds = _range(problem.schema) if limit in ("integer", "number") else ""
+        return f"must be {_KINDS[limit]}{', ' * bool(bounds)}{bounds}{_way_out(limit, value)}"
     if rule == "enum":
         return f"must be one of {', '.join(map(str, limit))}"
+    if rule == "oneOf":
+        ways = [" and ".join(f"`{key}`" for key in way.get("required", ())) for way in limit]
+        return f"must have either {' or '.join(ways)}" if all(ways) else "does not fit"
+    if rule == "dependentRequired":
+        key = next(key for key, others in limit.items() if key in value and not set(others) <= set(value))
+        return f"has `{key}`, which goes with {', '.join(f'`{other}`' for other in limit[key])} alone"
     if rule == "uniqueItems":
         twice = [item for number, item in enumerate(value) if item in value[:number]]
         return f"names {_shown(twice[0])} more than once; give each once"
@@ -89,6 +200,11 @@ def _rule(problem) -> str:
     if rule == "minLength":
         return "must not be empty"
     return "does not fit"
+
+
+def _range(schema: Mapping) -> str:
+    """All limits of a number: ``at least 1 and at most 20``; empty where it has none."""
+    return " and ".join(words.format(schema[key]) for key, words in _LIMITS.items() if key in schema)
 
 
 def _way_out(kind: str, value) -> str:

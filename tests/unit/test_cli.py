@@ -52,7 +52,7 @@ def test_a_recording_with_its_text_becomes_a_video(speaker, tmp_path, capsys):
     [
         (["--text", "?! ..."], 2, "no word to pronounce"),
         (["--text", "Hello.", "--voice", "martian"], 2, "no voice"),
-        (["--text", "Hello.", "--speed", "20"], 2, "between 80 and 450"),
+        (["--text", "Hello.", "--speed", "20"], 2, "at least 80 and at most 450"),
         ([], 2, "nothing to say"),
         (["--text", "a", "--text-file", "b.txt"], 2, "give one of them"),
         (["--text-file", "nowhere.txt"], 2, "nowhere.txt: No such file"),

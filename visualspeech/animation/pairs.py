@@ -5,7 +5,8 @@ from pathlib import Path
 
 import numpy as np
 
-from visualspeech.animation.video import Recording, Speaker, VideoSettings, video_metadata, write_panels
+from visualspeech.animation.video import Recording, Speaker, video_metadata, write_panels
+from visualspeech.animation.video_settings import VideoSettings
 from visualspeech.corpora.records import Utterance
 
 WITHHELD = "withheld for a preference test"

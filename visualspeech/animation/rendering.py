@@ -15,7 +15,7 @@ from itertools import chain, repeat
 import numpy as np
 
 from visualspeech.animation.warping import backward_map
-from visualspeech.errors import DataError, SettingError
+from visualspeech.errors import DataError
 from visualspeech.face.aam.points import (
     JAW,
     NOSE,
@@ -30,6 +30,7 @@ from visualspeech.face.aam.reference import Reference, sample_texture, texture_p
 from visualspeech.face.head import HeadModel
 from visualspeech.face.landmarks import smooth
 from visualspeech.face.pose import Pose, to_frontal, to_image
+from visualspeech.fields import Settings, setting
 
 FOLLOWS = np.ones(POINTS)
 FOLLOWS[[0, 1, 15, 16, 46, 47]] = 0.0
@@ -44,36 +45,39 @@ _PAINTED = np.array([*range(2, 15), 25, 24, 23, 22, 21])  # outline of what is p
 
 
 @dataclass(frozen=True)
-class RenderSettings:
-    """How a face is stitched.
+class RenderSettings(Settings):
+    """Blending of the synthetic lower face into the recorded frame."""
 
-    Parameters
-    ----------
-    opaque : share of the way from the border of the painted region to the lips at which it becomes opaque; smaller is
-        a narrower seam (0..1)
-    reach : how far around the jaw the recording gives way, as a share of the width of the face
-    point_smoothing : standard deviation in frames of the Gaussian over the recorded points and over the target's jaw
-        and cheeks, not its lips: noise in them would shake the warped surroundings
-    colour_smoothing : standard deviation in frames of the Gaussian over the colour offset; 0 for none
-    colour_limit : largest colour offset in grey levels
-    """
-
-    opaque: float = 0.6
-    reach: float = 0.45
-    point_smoothing: float = 1.0
-    colour_smoothing: float = 2.0
-    colour_limit: float = 60.0
-
-    def __post_init__(self) -> None:
-        if not 0 < self.opaque <= 1:
-            raise SettingError(f"opaque is {self.opaque!r}; give a share above 0, up to 1 (0.6 serves).")
-        if not 0.2 <= self.reach <= 2:
-            raise SettingError(
-                f"reach is {self.reach!r}; give a share of the face's width from 0.2 to 2 (0.45 serves)."
-            )
-        for name in ("point_smoothing", "colour_smoothing", "colour_limit"):
-            if not getattr(self, name) >= 0:
-                raise SettingError(f"{name} is {getattr(self, name)!r}; give a number of 0 or more.")
+    section = "rendering"
+    seam_width: float = setting(
+        0.6,
+        "Width of the seam in which the painted texture fades in, as a share of the distance from the border of the "
+        "painted region to the lips.",
+        minimum=0.001,
+        maximum=1,
+    )
+    warp_reach: float = setting(
+        0.45,
+        "Distance around the lower face up to which the recorded frame is warped, as a share of the face's width.",
+        minimum=0.2,
+        maximum=2,
+    )
+    point_smoothing: float = setting(
+        1.0,
+        "Standard deviation, in frames, of the Gaussian that smooths the recorded points and the target's jaw and "
+        "cheeks (not its lips) over time; 0 for none.",
+        minimum=0,
+        maximum=1000,
+    )
+    colour_smoothing: float = setting(
+        2.0,
+        "Standard deviation, in frames, of the Gaussian that smooths the colour offset over time; 0 for none.",
+        minimum=0,
+        maximum=1000,
+    )
+    max_colour_offset: float = setting(
+        60.0, "Maximum colour offset between texture and recording, in grey levels.", minimum=0, maximum=255
+    )
 
 
 @dataclass(frozen=True)
@@ -158,7 +162,7 @@ def prepare(reference: Reference, settings: RenderSettings | None = None) -> Sti
 
     to_border = distance_from(grid[_PAINTED], inside=True)
     to_lips = distance_from(grid[OUTER_LIPS], inside=False)
-    rise = np.clip(to_border / np.maximum(to_border + to_lips, 1e-6) / settings.opaque, 0, 1)
+    rise = np.clip(to_border / np.maximum(to_border + to_lips, 1e-6) / settings.seam_width, 0, 1)
     opacity = (rise * rise * (3 - 2 * rise)).astype(np.float32)
     rows, columns = reference.pixels.T
     x = 2 * columns / size[1] - 1
@@ -211,7 +215,7 @@ def stitch(
     if offset is None:
         offset = colour_offset(frame, recorded, texture, stitching)
     wide = np.linalg.norm(recorded[JAW.stop - 1] - recorded[JAW.start])
-    reach = settings.reach * wide
+    reach = settings.warp_reach * wide
     picture = frame.copy()
     low, high = _window(np.concatenate([recorded, target]), reach, frame.shape)
     if (high <= low).any():
@@ -276,7 +280,7 @@ def stitched(
     stitching = prepare(reference, settings)
     deviation = stitching.settings.colour_smoothing
     ahead = int(np.ceil(2.5 * deviation))
-    limit = stitching.settings.colour_limit
+    limit = stitching.settings.max_colour_offset
     waiting: deque = deque()
     offsets: deque = deque(maxlen=2 * ahead + 1)
     for index, part in enumerate(chain(parts, repeat(None))):

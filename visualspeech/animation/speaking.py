@@ -5,7 +5,7 @@ time are looked at, and the pictures are made and encoded one at a time: memory 
 """
 
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from itertools import islice
 from pathlib import Path
 
@@ -16,6 +16,7 @@ from visualspeech.animation.bundle import SpeakerBundle
 from visualspeech.animation.label import labelled
 from visualspeech.animation.performance import Performance
 from visualspeech.animation.rendering import Placement, RenderSettings, place, stitched
+from visualspeech.animation.speaking_settings import SpeakSettings
 from visualspeech.animation.video import LABEL
 from visualspeech.animation.walk import Mix, WalkSettings, walk
 from visualspeech.face.pose import Pose
@@ -27,22 +28,6 @@ from visualspeech.media.prefetching import prefetched
 PRESET = "veryfast"  # of the encoder, which would else take most of the time
 _PLACED = 100  # frames placed at a time
 _DECODED = 25  # textures decoded at a time: each is 200 kB
-
-
-@dataclass(frozen=True)
-class SpeakSettings:
-    """How a talking head speaks.
-
-    Parameters
-    ----------
-    label : write the word "synthetic" small into every picture
-    walk : the way through the background
-    rendering : how faces are stitched
-    """
-
-    label: bool = True
-    walk: WalkSettings = field(default_factory=WalkSettings)
-    rendering: RenderSettings = field(default_factory=RenderSettings)
 
 
 @dataclass(frozen=True)

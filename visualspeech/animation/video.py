@@ -6,7 +6,7 @@ small label unless that is switched off.
 """
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from itertools import tee
 from pathlib import Path
 from typing import NamedTuple
@@ -15,6 +15,7 @@ import numpy as np
 
 from visualspeech.animation.label import labelled, title_bar, title_height
 from visualspeech.animation.rendering import RenderSettings, place, talking_head
+from visualspeech.animation.video_settings import VideoSettings
 from visualspeech.corpora.records import Utterance
 from visualspeech.errors import DataError
 from visualspeech.face.aam.model import Aam
@@ -28,20 +29,6 @@ from visualspeech.media.reading import probe, read_audio, read_frames
 
 AUDIO_RATE = 48000
 LABEL = "synthetic"
-
-
-@dataclass(frozen=True)
-class VideoSettings:
-    """How videos are made.
-
-    Parameters
-    ----------
-    label : write the word "synthetic" small into every synthetic picture
-    rendering : how faces are stitched
-    """
-
-    label: bool = True
-    rendering: RenderSettings = field(default_factory=RenderSettings)
 
 
 class Panel(NamedTuple):

@@ -14,7 +14,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from visualspeech.errors import DataError, SettingError
+from visualspeech.errors import DataError
+from visualspeech.fields import MAX_SEED, Settings, setting
 
 
 class Mix(NamedTuple):
@@ -26,31 +27,37 @@ class Mix(NamedTuple):
 
 
 @dataclass(frozen=True)
-class WalkSettings:
-    """How the way is taken.
+class WalkSettings(Settings):
+    """Endless background from a few recorded seconds.
 
-    Parameters
-    ----------
-    mixed : frames over which a change is spread, on each side of it
-    least : seconds between two changes, where the recordings are long enough
-    unseen : distance up to which a change cannot be seen, where an ordinary step from frame to frame is 2. Of all such
-        changes at hand one is taken by chance, for what repeats itself is seen; where there is none, the best
-    blinks_apart : seconds between two blinks that come by going over to another place, where there is such a place
-    seed : of that chance
+    A transition costs the mean distance of the frames that are mixed, where an ordinary step from frame to frame is 2.
+    Of all transitions that cannot be seen one is chosen at random, since repetition is noticed; where there is none,
+    the best.
     """
 
-    mixed: int = 6
-    least: float = 1.2
-    unseen: float = 6.0
-    blinks_apart: float = 2.0
-    seed: int = 0
-
-    def __post_init__(self) -> None:
-        if not (isinstance(self.mixed, int) and self.mixed >= 0):
-            raise SettingError(f"mixed is {self.mixed!r}; give a number of frames, 0 or more (6 serves).")
-        for name in ("least", "unseen", "blinks_apart"):
-            if not getattr(self, name) >= 0:
-                raise SettingError(f"{name} is {getattr(self, name)!r}; give 0 or more.")
+    section = "walk"
+    crossfade_frames: int = setting(
+        6, "Number of frames on each side of a transition that are cross-faded.", minimum=0, maximum=1000
+    )
+    min_interval: float = setting(
+        1.2,
+        "Minimum time between two transitions in seconds, where the recordings are long enough.",
+        minimum=0,
+        maximum=3600,
+    )
+    visibility_threshold: float = setting(
+        6.0,
+        "Frame distance up to which a transition counts as invisible (an ordinary step between frames is 2).",
+        minimum=0,
+        maximum=1_000_000,
+    )
+    min_blink_interval: float = setting(
+        2.0,
+        "Minimum time between two blinks that a transition may bring about, in seconds, where possible.",
+        minimum=0,
+        maximum=3600,
+    )
+    seed: int = setting(0, "Seed of the choice among invisible transitions.", minimum=0, maximum=MAX_SEED)
 
 
 def changes(distances: np.ndarray, clip: np.ndarray, mixed: int) -> tuple[np.ndarray, np.ndarray]:
@@ -116,14 +123,14 @@ def walk(
             yield Mix(0, 0, 0.0)
     # A change needs `mixed` frames on each side, and the way from one to the next fits three times into a recording:
     # so there always is a place to go over to.
-    mixed = min(settings.mixed, (longest - 3) // 8)
+    mixed = min(settings.crossfade_frames, (longest - 3) // 8)
     same, turned = changes(distances, clip, mixed)
-    least = max(min(round(settings.least * rate), (longest - 2 * mixed) // 3), 2 * mixed + 1)
+    least = max(min(round(settings.min_interval * rate), (longest - 2 * mixed) // 3), 2 * mixed + 1)
     generator = np.random.default_rng(settings.seed)
     used = np.zeros(len(clip))
     closed = np.zeros(len(clip), bool) if closed is None else closed
     until = {way: _until(closed, clip, way) for way in (1, -1)}
-    apart = settings.blinks_apart * rate
+    apart = settings.min_blink_interval * rate
     blinked = np.inf  # frames since the last blink
     # Begin where the recordings do, in the one with most room.
     at, direction = int(first[np.argmax(last - first)]), 1
@@ -154,7 +161,7 @@ def _choice(ahead, direction, costs, gaps, first, last, room, apart, settings, g
     left = (last - place), (place - first)
     ways = direction, -direction
     table = np.stack([np.where(left[way < 0] >= room, cost, np.inf) for way, cost in zip(ways, costs, strict=True)])
-    chosen = np.argwhere(table <= max(settings.unseen, 1.1 * table.min()))
+    chosen = np.argwhere(table <= max(settings.visibility_threshold, 1.1 * table.min()))
     # Of changes that cannot be seen, those without a blink that comes too soon, or where it comes latest.
     gap = np.stack(gaps)[tuple(chosen.T)]
     chosen = chosen[gap >= min(apart, 0.9 * gap.max())]

@@ -10,6 +10,7 @@ from pathlib import Path
 
 import numpy as np
 
+from visualspeech.corpora.check_settings import CheckSettings
 from visualspeech.corpora.findings import WARN, Finding, rejection
 from visualspeech.corpora.records import Utterance
 from visualspeech.errors import RejectedUtterance
@@ -18,43 +19,6 @@ from visualspeech.timing import frames_in
 
 STAGE = "check"
 RATE = 16_000  # Hz, of the sound that later stages hear
-
-
-@dataclass(frozen=True)
-class CheckSettings:
-    """Where usable ends, and where odd begins.
-
-    Parameters
-    ----------
-    shortest : seconds; a shorter utterance is rejected
-    lowest_rate, low_rate, high_rate : frames per second; rejected below the first, odd outside the other two
-    uneven_steps : share of a frame's duration by which the time between pictures may vary without a warning
-    damaged_share : share of damaged pictures from which on an utterance is rejected
-    missing_seconds : of the announced duration; more missing at the end means a truncated file
-    length_warning, length_limit : seconds between the ends of sound and picture; odd and rejected from there on
-    still : grey levels; a picture that never changes more is odd
-    silent_level : dB of full scale; sound whose loudest twentieth stays below is silent
-    speech_range : dB; sound whose level changes less holds no speech
-    speech_seconds : shortest time in which a voice detector must hear speech
-    clipped_share : share of samples cut off from which on sound is called clipped (see :func:`clipped_share`)
-    low_audio_rate : Hz; sound recorded below is odd
-    """
-
-    shortest: float = 0.3
-    lowest_rate: float = 10.0
-    low_rate: float = 20.0
-    high_rate: float = 121.0
-    uneven_steps: float = 0.25
-    damaged_share: float = 0.1
-    missing_seconds: float = 0.3
-    length_warning: float = 0.2
-    length_limit: float = 1.0
-    still: float = 0.05
-    silent_level: float = -60.0
-    speech_range: float = 3.0
-    speech_seconds: float = 0.15
-    clipped_share: float = 0.001
-    low_audio_rate: int = 16_000
 
 
 @dataclass(frozen=True)
@@ -143,21 +107,21 @@ def _check_transcript(utterance: Utterance) -> None:
 
 def _check_pictures(scan: reading.VideoScan, info: reading.MediaInfo, settings: CheckSettings, warn) -> None:
     seconds = scan.frames / info.rate
-    if seconds < settings.shortest:
+    if seconds < settings.min_seconds:
         raise RejectedUtterance(
             f"only {seconds:.2f} s of pictures ({scan.frames} frames)",
             "Record again, or mend start and end in the corpus's table.",
         )
-    if info.rate < settings.lowest_rate:
+    if info.rate < settings.min_rate:
         raise RejectedUtterance(
             f"{info.rate:.4g} frames per second are too few to see lips move", "Record at 25 frames per second or more."
         )
-    if not settings.low_rate <= info.rate <= settings.high_rate:
+    if not settings.warn_rate_below <= info.rate <= settings.warn_rate_above:
         warn(
             f"an odd frame rate: {info.rate:.4g} per second", "Record at 25 to 60; features are resampled as they are."
         )
     steps = np.diff(scan.times) * info.rate
-    uneven = int((np.abs(steps - 1) > settings.uneven_steps).sum())
+    uneven = int((np.abs(steps - 1) > settings.frame_interval_tolerance).sum())
     if uneven and uneven < 0.05 * len(steps):
         warn(
             f"{uneven} gap{'s' * (uneven > 1)} between pictures, the longest {steps.max() / info.rate * 1000:.0f} ms",
@@ -171,7 +135,7 @@ def _check_pictures(scan: reading.VideoScan, info: reading.MediaInfo, settings: 
             "the camera, or convert to a constant rate.",
         )
     damaged = len(scan.damaged)
-    if damaged > settings.damaged_share * (len(scan.times) + damaged):
+    if damaged > settings.max_damaged_share * (len(scan.times) + damaged):
         raise RejectedUtterance(
             f"{damaged} of {len(scan.times)} pictures are damaged", "Copy the recording again from its source."
         )
@@ -181,7 +145,7 @@ def _check_pictures(scan: reading.VideoScan, info: reading.MediaInfo, settings: 
             f"{damaged} damaged picture{'s' * (damaged > 1)}, at {places}{' ...' * (damaged > 5)} s",
             "It is used, unless the face breaks up there. Copy the recording again from its source.",
         )
-    if scan.change <= settings.still:
+    if scan.change <= settings.static_threshold:
         warn("the picture never changes", "Give a video of the speaker, not a still picture with sound.")
 
 
@@ -197,7 +161,7 @@ def _check_end(
     seconds = scan.frames / info.rate
     if utterance.end:
         wanted = frames_in(utterance.end - utterance.start, info.rate)
-        if scan.frames < wanted - settings.missing_seconds * info.rate:
+        if scan.frames < wanted - settings.max_missing_seconds * info.rate:
             raise RejectedUtterance(
                 f"the utterance is to end at {utterance.end:.2f} s, the recording ends at "
                 f"{utterance.start + seconds:.2f} s",
@@ -215,21 +179,21 @@ def _check_end(
             (info.video_duration, there),
             (info.duration, max(there, utterance.start + sound_seconds)),
         ):
-            if promised - found > max(settings.missing_seconds, 2 / info.rate):
+            if promised - found > max(settings.max_missing_seconds, 2 / info.rate):
                 raise RejectedUtterance(
                     f"truncated: its header announces {promised:.2f} s, but it breaks off after {found:.2f} s",
                     "Copy the recording again from its source.",
                 )
-    if not utterance.start and info.early_sound >= settings.length_warning:
+    if not utterance.start and info.early_sound >= settings.warn_length_difference:
         warn(
             f"the pictures begin {info.early_sound:.2f} s after the sound, which is left out until then",
             "Check that no speech is lost; export the recording again with both streams whole.",
         )
     difference = sound_seconds - seconds
-    if abs(difference) >= settings.length_warning:
+    if abs(difference) >= settings.warn_length_difference:
         said = f"sound and picture differ in length: {sound_seconds:.2f} s of sound, {seconds:.2f} s of picture"
         remedy = "Check that lips and sound are together; export the recording again with both streams whole."
-        if abs(difference) >= settings.length_limit:
+        if abs(difference) >= settings.max_length_difference:
             raise RejectedUtterance(said, remedy)
         warn(said, remedy)
 
@@ -237,25 +201,25 @@ def _check_end(
 def _check_sound(sound: np.ndarray, info: reading.MediaInfo, settings: CheckSettings, warn) -> None:
     levels = frame_levels(sound)
     loud = np.percentile(levels, 95) if len(levels) else -np.inf
-    if loud < settings.silent_level:
+    if loud < settings.min_level:
         raise RejectedUtterance(
             "silent audio" if not sound.any() else f"silent audio (at most {loud:.0f} dB of full scale)",
             "Check the microphone and the audio track, and record again.",
         )
     spread = loud - np.percentile(levels, 10)
     voiced = speech_seconds(sound)
-    if spread < settings.speech_range or voiced < settings.speech_seconds:
+    if spread < settings.min_level_range or voiced < settings.min_speech_seconds:
         raise RejectedUtterance(
             f"audio without speech (its level varies by {spread:.0f} dB, {voiced:.2f} s sound like a voice)",
             "Check that the right audio track is in the file and that start and end fit.",
         )
-    if info.audio_rate < settings.low_audio_rate:
+    if info.audio_rate < settings.warn_sample_rate_below:
         warn(
             f"audio at {info.audio_rate / 1000:g} kHz",
             "It is used, but s, f and th can hardly be told apart. Record at 16 kHz or more.",
         )
     clipped = clipped_share(sound)
-    if clipped >= settings.clipped_share:
+    if clipped >= settings.warn_clipped_share:
         warn(
             f"clipped audio ({clipped:.1%} of the samples cut off)",
             "It is used, but may be aligned badly. Record at a lower level.",

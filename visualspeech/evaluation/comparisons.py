@@ -10,11 +10,12 @@ from itertools import combinations
 
 import numpy as np
 
-from visualspeech.errors import DataError, SettingError
+from visualspeech.errors import DataError
 from visualspeech.evaluation.metrics import METRICS, Metric, metric_named, sums
 from visualspeech.evaluation.sheets import Cell, Sheet
 from visualspeech.evaluation.statistics import BootstrapSettings, Sampled, draws, figure, sample
 from visualspeech.evaluation.table_formats import column_title, row_title
+from visualspeech.fields import MAX_SEED, Settings, setting
 
 TESTS = ("wilcoxon", "permutation")
 COLUMNS = ("metric", "first", "second", "first_value", "second_value", "difference", "low", "high", "p", "p_holm",
@@ -22,30 +23,28 @@ COLUMNS = ("metric", "first", "second", "first_value", "second_value", "differen
 
 
 @dataclass(frozen=True)
-class ComparisonSettings:
-    """Settings of the paired tests.
+class ComparisonSettings(Settings):
+    """Paired tests over utterances between all pairs of rows, Holm-corrected.
 
-    Parameters
-    ----------
-    test : ``wilcoxon``: signed-rank test of the utterances' differences (Wilcoxon 1945); ``permutation``: of the
-        difference of the two corpus figures, whose null distribution comes from changing signs of utterances at random
-    level : of significance, of the family of all pairs of one measure (Holm 1979)
-    permutations : draws of the permutation test; every change of signs where there are no more of them than that
-    seed : of the draws
+    ``wilcoxon`` is the signed-rank test of the utterances' differences (Wilcoxon 1945). ``permutation`` tests the
+    difference of the two corpus figures, whose null distribution comes from changing signs of utterances at random;
+    where there are no more changes of signs than ``permutations``, all of them are made. The family of the correction
+    is all pairs of one measure (Holm 1979).
     """
 
-    test: str = "wilcoxon"
-    level: float = 0.05
-    permutations: int = 10_000
-    seed: int = 0
-
-    def __post_init__(self) -> None:
-        if self.test not in TESTS:
-            raise SettingError(f"`tables.comparison.test: {self.test}` must be one of {', '.join(TESTS)}.")
-        if not 0 < self.level < 1:
-            raise SettingError(f"`tables.comparison.level: {self.level}` must lie between 0 and 1, for example 0.05.")
-        if self.permutations < 100:
-            raise SettingError(f"`tables.comparison.permutations: {self.permutations}` must be at least 100.")
+    section = "tables.comparison"
+    test: str = setting(
+        "wilcoxon",
+        "Wilcoxon signed-rank test, or permutation test with random signs of the differences.",
+        choices=TESTS,
+    )
+    level: float = setting(
+        0.05, "Significance level of all pairs of one measure together, for example 0.05.", above=0, below=1
+    )
+    permutations: int = setting(
+        10_000, "Number of random draws of the permutation test.", minimum=100, maximum=100_000_000
+    )
+    seed: int = setting(0, "Seed of the permutation test.", minimum=0, maximum=MAX_SEED)
 
 
 def holm(p: np.ndarray) -> np.ndarray:

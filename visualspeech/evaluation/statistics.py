@@ -9,25 +9,21 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from visualspeech.errors import DataError, SettingError
+from visualspeech.errors import DataError
 from visualspeech.evaluation.metrics import metric_named, sums
+from visualspeech.fields import MAX_SEED, Settings, setting
 
 BASE_ROW = "training_mean"
 
 
 @dataclass(frozen=True)
-class BootstrapSettings:
-    """Settings of the intervals: number of draws, level of confidence, seed."""
+class BootstrapSettings(Settings):
+    """Bootstrap confidence intervals over utterances."""
 
-    samples: int = 2000
-    level: float = 0.95
-    seed: int = 0
-
-    def __post_init__(self) -> None:
-        if self.samples < 1:
-            raise SettingError(f"`bootstrap.samples: {self.samples}` must be at least 1.")
-        if not 0 < self.level < 1:
-            raise SettingError(f"`bootstrap.level: {self.level}` must lie between 0 and 1, for example 0.95.")
+    section = "tables.bootstrap"
+    samples: int = setting(2000, "Number of bootstrap samples.", minimum=1, maximum=1_000_000)
+    level: float = setting(0.95, "Confidence level of the intervals, for example 0.95.", above=0, below=1)
+    seed: int = setting(0, "Seed of the bootstrap samples.", minimum=0, maximum=MAX_SEED)
 
 
 @dataclass(frozen=True)

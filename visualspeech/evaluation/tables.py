@@ -7,9 +7,9 @@ and a TSV read back gives the same Markdown, LaTeX and HTML.
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
-from visualspeech.errors import SettingError
 from visualspeech.evaluation.metrics import METRICS, Metric, metric_named
 from visualspeech.evaluation.statistics import BASE_ROW, BootstrapSettings, summarise
+from visualspeech.fields import Settings, setting
 
 ROW_TITLES = {
     "hmm_monophone": "HMM of phones",
@@ -25,40 +25,23 @@ PARTS = ("value", "low", "high", "ratio", "ratio_low", "ratio_high")
 
 
 @dataclass(frozen=True)
-class TableSettings:
-    """Settings of the result tables.
+class TableSettings(Settings):
+    """What the result tables show."""
 
-    Parameters
-    ----------
-    metrics : names of measures, in the order of the columns
-    digits : digits after the point; one number for all measures, or a mapping from names of measures
-        (measures it does not name get 3)
-    ratio_digits : digits after the point of the ratios
-    """
+    section = "tables"
+    metrics: tuple[str, ...] = setting(
+        tuple(METRICS),
+        "Measures shown, in the order of the columns.",
+        item={"description": "A measure; its formula is in docs/papers.md.", "choices": METRICS},
+        min_items=1,
+        unique=True,
+    )
+    digits: int = setting(3, "Number of decimals of the measures.", minimum=0, maximum=12)
+    ratio_digits: int = setting(3, "Number of decimals of the ratios to the training mean.", minimum=0, maximum=12)
 
-    metrics: tuple[str, ...] = tuple(METRICS)
-    digits: int | Mapping[str, int] = 3
-    ratio_digits: int = 3
-
-    def __post_init__(self) -> None:
-        if not self.metrics:
-            raise SettingError(f"`tables.metrics` is empty. Known metrics: {', '.join(METRICS)}.")
-        for name in self.metrics:
-            metric_named(name)
-        by_name = self.digits if isinstance(self.digits, Mapping) else {"": self.digits}
-        for name in by_name:
-            if name:
-                metric_named(name)
-        for key, values in (("digits", by_name.values()), ("ratio_digits", [self.ratio_digits])):
-            for digits in values:
-                if isinstance(digits, bool) or not isinstance(digits, int) or not 0 <= digits <= 12:
-                    raise SettingError(f"`tables.{key}`: {digits!r} must be a whole number from 0 to 12.")
-
-    def digits_of(self, metric: str, part: str) -> int:
-        """Digits after the point of one measure's figure, interval or ratio (a part of :data:`PARTS`)."""
-        if part.startswith("ratio"):
-            return self.ratio_digits
-        return self.digits.get(metric, 3) if isinstance(self.digits, Mapping) else self.digits
+    def digits_of(self, part: str) -> int:
+        """Number of decimals of a figure, an interval or a ratio (a part of :data:`PARTS`)."""
+        return self.ratio_digits if part.startswith("ratio") else self.digits
 
 
 @dataclass(frozen=True)
@@ -136,9 +119,7 @@ def result_table(
     rows = [row for row in tables if row not in ROW_TITLES] + [row for row in ROW_TITLES if row in tables]
     summary = summarise({row: tables[row] for row in rows}, settings.metrics, bootstrap)
     cells = {
-        (line.row, line.metric): {
-            part: _shown(getattr(line, part), settings.digits_of(line.metric, part)) for part in PARTS
-        }
+        (line.row, line.metric): {part: _shown(getattr(line, part), settings.digits_of(part)) for part in PARTS}
         for line in summary.itertuples()
     }
     lines = [

@@ -79,9 +79,9 @@ class DlibTracker:
         if self._confirmed is None:
             self._confirmed = _likeness(crop[0])
         points = self._predict(*crop)
-        for number in range(1, self._settings.predictions):
+        for number in range(1, self._settings.num_jitters):
             points = points + self._predict(*self._face(grey, _shaken(self._box, number)))
-        points = points / max(self._settings.predictions, 1)
+        points = points / max(self._settings.num_jitters, 1)
         self._box = self._box + FOLLOW * (box_of(points) - self._box)
         return points
 
@@ -120,7 +120,7 @@ class DlibTracker:
     def _alike(self, crop: tuple[np.ndarray, np.ndarray]) -> bool:
         if self._confirmed is None:
             return False
-        return float((_likeness(crop[0]) * self._confirmed).mean()) >= self._settings.likeness
+        return float((_likeness(crop[0]) * self._confirmed).mean()) >= self._settings.similarity_threshold
 
     def _confirm(self, grey: np.ndarray) -> bool:
         crop = self._crop(grey, self._box, CONFIRM_PIXELS, CONFIRM_SIDES)[0]

@@ -29,27 +29,28 @@ from typing import NamedTuple
 
 import numpy as np
 
-from visualspeech.errors import DataError, SettingError
+from visualspeech.errors import DataError
+from visualspeech.fields import Settings, setting
 
 METHODS = ("clip_mean", "silence", "none")
 
 
 @dataclass(frozen=True)
-class DriftSettings:
-    """How drift is taken out.
+class DriftSettings(Settings):
+    """Removal of slow drift between recordings (light, seat, camera)."""
 
-    Parameters
-    ----------
-    method : ``clip_mean``, ``silence`` or ``none``
-    least_silent_frames : with ``silence``, an utterance with fewer silent frames is referred to its clip mean
-    """
-
-    method: str = "clip_mean"
-    least_silent_frames: int = 5
-
-    def __post_init__(self) -> None:
-        if self.method not in METHODS:
-            raise SettingError(f"drift method {self.method!r} is unknown; give one of {', '.join(METHODS)}.")
+    section = "drift"
+    method: str = setting(
+        "clip_mean",
+        "Reference face of an utterance: its mean face, the mean of its silent frames, or none (drift is kept).",
+        choices=METHODS,
+    )
+    min_silent_frames: int = setting(
+        5,
+        "Method `silence`: an utterance with fewer silent frames than this falls back to its clip mean.",
+        minimum=1,
+        maximum=100_000,
+    )
 
 
 class FaceReference(NamedTuple):
@@ -86,7 +87,7 @@ def reference_of(
             raise DataError(
                 f"the silent frames ({None if silent is None else len(silent)}) do not fit {len(shape)} shapes"
             )
-        if np.count_nonzero(silent) >= settings.least_silent_frames:
+        if np.count_nonzero(silent) >= settings.min_silent_frames:
             chosen = np.asarray(silent, bool)
     return FaceReference(
         shape[chosen].mean(axis=0, dtype=np.float64).astype(np.float32),

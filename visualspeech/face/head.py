@@ -5,7 +5,7 @@ coordinates that explains where it was seen over many frames, with the mean face
 alternating between the poses (from the rigid points) and the points (from the poses).
 """
 
-from dataclasses import asdict, dataclass, fields
+from dataclasses import asdict, dataclass
 
 import numpy as np
 
@@ -13,37 +13,67 @@ from visualspeech.errors import DataError
 from visualspeech.face.camera import point_jacobian, rotation_matrices, solve_pose
 from visualspeech.face.mean_face import MEAN_FACE
 from visualspeech.face.tracker import POINTS, RIGID
+from visualspeech.fields import Settings, restored, setting
 from visualspeech.storage import read_model_of, write_model
 
 
 @dataclass(frozen=True)
-class PoseSettings:
-    """How heads are modelled and poses smoothed.
+class PoseSettings(Settings):
+    """3-D head model and smoothing of the head pose.
 
-    Parameters
-    ----------
-    focal : focal length in units of the picture's longer side. Recordings do not tell it: 3 is assumed, a field of
-        view of 19 degrees, head and shoulders from some two metres. The fitted depths take up nearly all of a wrong
-        value (1, 2, 4 on GRID: rigid points move by 0.42, 0.40, 0.40 px).
-    frames : frames on which the head is fitted, at most
-    iterations : alternations of the bundle adjustment
-    noise : expected error of a rigid landmark in pixels of a face 100 pixels wide
-    depth_deviation, place_deviation : how far a speaker's points are expected to lie from the mean face's, in depth
-        and across, as a share of the width of the face
-    rotation_smoothing, place_smoothing : standard deviations in frames of the Gaussians that smooth rotation and
-        distance, and the place in the picture
-    margin : border around the mean points in the normalised picture, as a share of the width of the face
+    Recordings do not tell the focal length: 3 is assumed, a field of view of 19 degrees, head and shoulders from some
+    two metres. The fitted depths take up nearly all of a wrong value (1, 2, 4 on GRID: rigid points move by 0.42, 0.40,
+    0.40 px).
     """
 
-    focal: float = 3.0
-    frames: int = 600
-    iterations: int = 12
-    noise: float = 1.0
-    depth_deviation: float = 0.06
-    place_deviation: float = 0.3
-    rotation_smoothing: float = 2.0
-    place_smoothing: float = 0.5
-    margin: float = 0.25
+    section = "pose"
+    focal_length: float = setting(
+        3.0, "Assumed focal length of the camera, in units of the frame's longer side.", minimum=0.1, maximum=1000
+    )
+    max_frames: int = setting(
+        600, "Maximum number of training frames that the head model is fitted to.", minimum=10, maximum=100_000
+    )
+    iterations: int = setting(12, "Iterations of the bundle adjustment.", minimum=1, maximum=1000)
+    landmark_noise: float = setting(
+        1.0,
+        "Expected error of a rigid landmark, in pixels of a face that is 100 pixels wide.",
+        minimum=0.001,
+        maximum=100,
+    )
+    depth_deviation: float = setting(
+        0.06,
+        "Expected standard deviation of a speaker's landmarks from the mean face in depth, as a share of the face's "
+        "width.",
+        minimum=0.0001,
+        maximum=10,
+    )
+    in_plane_deviation: float = setting(
+        0.3,
+        "Expected standard deviation of a speaker's landmarks from the mean face in the frontal plane (horizontal and "
+        "vertical), as a share of the face's width.",
+        minimum=0.0001,
+        maximum=10,
+    )
+    rotation_smoothing: float = setting(
+        2.0,
+        "Standard deviation, in frames, of the Gaussian that smooths the head's rotation and distance over time; 0 "
+        "for none.",
+        minimum=0,
+        maximum=1000,
+    )
+    translation_smoothing: float = setting(
+        0.5,
+        "Standard deviation, in frames, of the Gaussian that smooths the head's position in the image over time; 0 "
+        "for none.",
+        minimum=0,
+        maximum=1000,
+    )
+    margin: float = setting(
+        0.25,
+        "Border around the mean landmarks in the normalised face, as a share of the face's width.",
+        minimum=0,
+        maximum=2,
+    )
 
 
 @dataclass(frozen=True)
@@ -92,8 +122,7 @@ class HeadModel:
     def load(cls, path) -> "HeadModel":
         """Read what :meth:`save` wrote; raises as :func:`visualspeech.storage.read_model_of`."""
         tensors, stored = read_model_of(path, "head model", ["head"])
-        known = {field.name for field in fields(PoseSettings)}
-        settings = PoseSettings(**{key: value for key, value in stored["settings"].items() if key in known})
+        settings = restored(PoseSettings, stored["settings"], path)
         return cls(**tensors, focal=float(stored["focal"]), size=tuple(stored["size"]), settings=settings)
 
 
@@ -114,15 +143,15 @@ def fit_head(points: np.ndarray, image_size: tuple[int, int], settings: PoseSett
     points = np.asarray(points, float)
     if points.ndim != 3 or points.shape[1:] != (POINTS, 2) or len(points) == 0:
         raise DataError(f"a head is fitted to landmarks (n, {POINTS}, 2), not {points.shape}.")
-    if len(points) > settings.frames:
-        points = points[np.linspace(0, len(points) - 1, settings.frames).round().astype(int)]
+    if len(points) > settings.max_frames:
+        points = points[np.linspace(0, len(points) - 1, settings.max_frames).round().astype(int)]
     centre = np.array([image_size[0] / 2, image_size[1] / 2])
-    focal = settings.focal * max(image_size)
+    focal = settings.focal_length * max(image_size)
     # Head units are pixels of the recording at the mean distance, which makes that distance the focal length.
     prior = MEAN_FACE * _seen_size(points)
     width = np.ptp(prior[:, 0])
-    deviation = width * np.array([settings.place_deviation, settings.place_deviation, settings.depth_deviation])
-    noise = np.full(POINTS, settings.noise * width / 100)
+    deviation = width * np.array([settings.in_plane_deviation, settings.in_plane_deviation, settings.depth_deviation])
+    noise = np.full(POINTS, settings.landmark_noise * width / 100)
     model = prior.copy()
     pose = None
     for _ in range(settings.iterations):

@@ -1,22 +1,21 @@
 """Landmarks: the 68 iBUG points of the speaker's face in every frame of a recording.
 
 The tracker is replaceable: whatever satisfies :class:`visualspeech.face.tracker.Tracker` can be registered in
-:data:`TRACKERS`. The default one is dlib's regression-tree predictor (Kazemi & Sullivan, CVPR 2014), fed with a crop
-that follows the face.
+:data:`visualspeech.face.tracker.TRACKERS`. The default one is dlib's regression-tree predictor (Kazemi & Sullivan,
+CVPR 2014), fed with a crop that follows the face.
 
 Licence of the default tracker's model: the 68-point model file of ``face-recognition-models`` was trained on the iBUG
 300-W pictures, whose licence excludes commercial use. Ask Imperial College London before you use it in a product, or
 register a tracker of your own.
 """
 
-from collections.abc import Callable, Iterable
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
 
-from visualspeech.errors import RejectedUtterance, SettingError
-from visualspeech.face.dlib_tracker import DlibTracker
-from visualspeech.face.tracker import POINTS, LandmarkSettings, Tracker
+from visualspeech.errors import RejectedUtterance
+from visualspeech.face.tracker import POINTS, TRACKERS, LandmarkSettings
 
 
 @dataclass(frozen=True)
@@ -51,12 +50,8 @@ def track(frames: Iterable[np.ndarray], settings: LandmarkSettings | None = None
     ------
     RejectedUtterance
         There are no frames, their size changes, there is no face, or it is missing in too many frames.
-    SettingError
-        There is no tracker of that name.
     """
     settings = settings or LandmarkSettings()
-    if settings.tracker not in TRACKERS:
-        raise SettingError(f"landmarks.tracker: there is no {settings.tracker!r}; choose one of {sorted(TRACKERS)}.")
     tracker = TRACKERS[settings.tracker](settings)
     found, size = [], None
     for frame in frames:
@@ -95,10 +90,10 @@ def check_coverage(detected: np.ndarray, rate: float, settings: LandmarkSettings
     missing = int((~detected).sum())
     if missing == len(detected):
         raise RejectedUtterance("no face in any frame", remedy)
-    if missing > settings.missing_share * len(detected):
+    if missing > settings.max_missing_share * len(detected):
         raise RejectedUtterance(f"no face in {missing} of {len(detected)} frames", remedy)
     longest = longest_run(~detected)
-    if longest > settings.missing_run * rate:
+    if longest > settings.max_missing_seconds * rate:
         raise RejectedUtterance(f"no face for {longest / rate:.2f} s on end", remedy)
 
 
@@ -124,7 +119,3 @@ def smooth(points: np.ndarray, deviation: float) -> np.ndarray:
     from scipy.ndimage import gaussian_filter1d
 
     return gaussian_filter1d(points, deviation, axis=0, mode="nearest", truncate=4.0)
-
-
-#: A tracker by its name in the settings; one is made for each recording.
-TRACKERS: dict[str, Callable[[LandmarkSettings], Tracker]] = {"dlib": DlibTracker}

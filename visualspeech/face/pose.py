@@ -76,7 +76,7 @@ def estimate(points: np.ndarray, head: HeadModel, settings: PoseSettings | None 
     depth = np.exp(smooth(np.log(translation[:, 2] + turned), settings.rotation_smoothing)) - turned
     translation = solve_translation(seen, model, rotation, depth, head.focal, head.centre, head.weights)
     middle = rotation_matrices(rotation) @ origin + translation
-    beside = smooth(middle[:, :2] / middle[:, 2:], settings.place_smoothing)
+    beside = smooth(middle[:, :2] / middle[:, 2:], settings.translation_smoothing)
     shift = beside * middle[:, 2:] - middle[:, :2]
     return Pose(rotation, translation + np.column_stack([shift, np.zeros(len(shift))]))
 

@@ -13,9 +13,9 @@ from itertools import islice
 import numpy as np
 
 from visualspeech.errors import RejectedUtterance
-from visualspeech.face.head import HeadModel
 from visualspeech.face.landmarks import Landmarks, longest_run, track
 from visualspeech.face.tracker import LandmarkSettings
+from visualspeech.fields import Settings, setting
 
 REMEDY = "Play the recording; copy or convert it again from its source, or leave it out."
 # Pictures are compared at this size: coding noise averages out, broken blocks do not.
@@ -23,31 +23,62 @@ SMALL = (90, 72)
 
 
 @dataclass(frozen=True)
-class ScreeningSettings:
-    """Limits beyond which a recording counts as broken.
+class ScreeningSettings(Settings):
+    """Limits beyond which the video of an utterance, or its landmarks, count as broken.
 
-    Parameters
-    ----------
-    flat_deviation : standard deviation in grey levels below which a frame shows nothing
-    flat_frames : frames that show nothing, at most
-    frozen : seconds of identical frames on end, at most
-    jump_ratio, jump_levels : change of the picture from one frame to the next, as a multiple of the changes around it
-        and in mean grey levels; a frame beyond both jumps
-    step_ratio, step_share : the same for the mean step of the landmarks, as a multiple of those around it and as a
-        share of the width of the face
-    rigid_share : RMS movement of the rigid points after normalisation, as a share of the width of the face
-    rigid_ratio : the same as a multiple of the median over the speaker's utterances
+    A frame jumps where it differs from the frame before by more than both limits: in absolute terms, and relative to
+    the frames around it (a fast movement changes many frames, a damaged frame only one).
     """
 
-    flat_deviation: float = 4.0
-    flat_frames: int = 0
-    frozen: float = 0.4
-    jump_ratio: float = 4.5
-    jump_levels: float = 1.5
-    step_ratio: float = 3.0
-    step_share: float = 0.035
-    rigid_share: float = 0.007
-    rigid_ratio: float = 1.8
+    section = "screening"
+    min_contrast: float = setting(
+        4.0,
+        "Standard deviation of the pixels of a frame, in grey levels, below which the frame counts as blank.",
+        minimum=0,
+        maximum=128,
+    )
+    max_blank_frames: int = setting(
+        0, "An utterance with more blank frames than this is rejected.", minimum=0, maximum=100_000
+    )
+    max_frozen_seconds: float = setting(
+        0.4,
+        "An utterance is rejected if its video shows identical frames for longer than this, in seconds.",
+        minimum=0,
+        maximum=3600,
+    )
+    max_frame_change: float = setting(
+        1.5,
+        "Mean absolute difference to the previous frame, in grey levels, above which a frame may be a jump; an "
+        "utterance with a jump is rejected.",
+        minimum=0,
+        maximum=255,
+    )
+    max_frame_change_ratio: float = setting(
+        4.5,
+        "The same as a multiple of the median difference around the frame; a jump exceeds both limits.",
+        minimum=0,
+        maximum=1000,
+    )
+    max_landmark_step: float = setting(
+        0.035,
+        "Mean step of the landmarks since the previous frame, as a share of the face's width, above which they may "
+        "have jumped; an utterance with such a jump is rejected.",
+        minimum=0,
+        maximum=10,
+    )
+    max_landmark_step_ratio: float = setting(
+        3.0,
+        "The same as a multiple of the median step around the frame; a jump exceeds both limits.",
+        minimum=0,
+        maximum=1000,
+    )
+    max_rigid_error_ratio: float = setting(
+        1.8,
+        "An utterance is rejected if its rigid landmarks move by more than this multiple of the speaker's median after "
+        "pose normalisation.",
+        minimum=0,
+        maximum=1000,
+    )
 
 
 @dataclass(frozen=True)
@@ -129,14 +160,14 @@ def check_pictures(measures: PictureMeasures, rate: float, settings: ScreeningSe
         Frames that show nothing, a frozen picture, or a picture that jumps.
     """
     settings = settings or ScreeningSettings()
-    flat = int((measures.deviation < settings.flat_deviation).sum())
-    if flat > settings.flat_frames:
+    flat = int((measures.deviation < settings.min_contrast).sum())
+    if flat > settings.max_blank_frames:
         raise RejectedUtterance(f"{flat} frames show nothing but one colour", REMEDY)
     frozen = longest_run(measures.change[1:] < 1e-3) / rate
-    if frozen > settings.frozen:
+    if frozen > settings.max_frozen_seconds:
         raise RejectedUtterance(f"the picture stands still for {frozen:.2f} s", REMEDY)
     ratio = isolated(measures.change)
-    jumps = np.flatnonzero((ratio > settings.jump_ratio) & (measures.change > settings.jump_levels))
+    jumps = np.flatnonzero((ratio > settings.max_frame_change_ratio) & (measures.change > settings.max_frame_change))
     if len(jumps):
         raise RejectedUtterance(
             f"the picture jumps at {jumps[0] / rate:.2f} s ({ratio[jumps[0]]:.0f} times the change of the frames "
@@ -155,28 +186,10 @@ def check_points(points: np.ndarray, settings: ScreeningSettings | None = None) 
     """
     settings = settings or ScreeningSettings()
     step = landmark_steps(points)
-    jumps = np.flatnonzero((step > settings.step_share) & (isolated(step) > settings.step_ratio))
+    jumps = np.flatnonzero((step > settings.max_landmark_step) & (isolated(step) > settings.max_landmark_step_ratio))
     if len(jumps):
         raise RejectedUtterance(
             f"the landmarks jump by {step[jumps].max():.0%} of the face's width in frame {jumps[0]}", REMEDY
-        )
-
-
-def check_pose(error: float, head: HeadModel, settings: ScreeningSettings | None = None) -> None:
-    """Judge how rigid the rigid points are: ``error`` as from :func:`visualspeech.face.pose.rigid_error`, in pixels.
-
-    Raises
-    ------
-    RejectedUtterance
-        They move too much: the face is covered, badly seen, or not a face.
-    """
-    settings = settings or ScreeningSettings()
-    width = float(np.ptp(head.points3d[:, 0]))
-    if error > settings.rigid_share * width:
-        raise RejectedUtterance(
-            f"nose and eyes move by {error:.2f} px against each other after head-pose normalisation "
-            f"({settings.rigid_share * width:.2f} px are allowed)",
-            "See whether the face is covered, blurred or turned away; " + REMEDY[0].lower() + REMEDY[1:],
         )
 
 
@@ -200,7 +213,7 @@ def screen(
             REMEDY,
         )
         for name, error in sorted(errors.items())
-        if error > settings.rigid_ratio * usual
+        if error > settings.max_rigid_error_ratio * usual
     }
 
 

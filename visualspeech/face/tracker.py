@@ -1,42 +1,74 @@
 """What a tracker of landmarks is: the points that it finds, its settings, and how it is asked."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
+
+from visualspeech.fields import Settings, setting
 
 POINTS = 68
 # Points that the skull carries: bridge and base of the nose, corners of the eyes.
 RIGID = np.array([27, 28, 29, 30, 31, 32, 33, 34, 35, 36, 39, 42, 45])
 
 
+def _dlib(settings: "LandmarkSettings") -> "Tracker":
+    from visualspeech.face.dlib_tracker import DlibTracker
+
+    return DlibTracker(settings)
+
+
+#: A tracker by its name in the settings; one is made for each recording.
+TRACKERS: dict[str, Callable[["LandmarkSettings"], "Tracker"]] = {"dlib": _dlib}
+
+
 @dataclass(frozen=True)
-class LandmarkSettings:
-    """How faces are found and followed.
+class LandmarkSettings(Settings):
+    """Detection and tracking of the speaker's face."""
 
-    Parameters
-    ----------
-    tracker : name in :data:`visualspeech.face.landmarks.TRACKERS`
-    face_pixels : side in pixels to which the face box is brought before points are predicted; points come in whole
-        pixels of this picture, so a larger side means finer points, and slower (400 is 3.4x upsampling on GRID)
-    predictions : predictions a frame, each on a slightly different crop, averaged
-    detector_pixels : longest side in pixels of the picture in which a face is searched for
-    search_every : frames between two searches of the whole frame
-    likeness : correlation with the last confirmed face below which the detector is asked again (0..1)
-    smoothing : standard deviation in frames of the Gaussian that smooths the points in time; 0 for none
-    missing_share : share of frames without a face beyond which an utterance is rejected
-    missing_run : seconds without a face beyond which an utterance is rejected
-    """
-
-    tracker: str = "dlib"
-    face_pixels: int = 400
-    predictions: int = 1
-    detector_pixels: int = 640
-    search_every: int = 25
-    likeness: float = 0.8
-    smoothing: float = 0.4
-    missing_share: float = 0.2
-    missing_run: float = 0.4
+    section = "landmarks"
+    tracker: str = setting("dlib", "Name of the landmark tracker.", choices=TRACKERS)
+    face_pixels: int = setting(
+        400,
+        "Side length, in pixels, to which the face box is scaled before landmarks are predicted; larger is more "
+        "precise (landmarks are whole pixels of the scaled face) and slower.",
+        minimum=100,
+        maximum=4000,
+    )
+    num_jitters: int = setting(
+        1, "Number of slightly shifted face boxes per frame whose landmarks are averaged.", minimum=1, maximum=1000
+    )
+    detector_pixels: int = setting(
+        640,
+        "Longest side, in pixels, of the frame in which faces are detected; larger frames are scaled down.",
+        minimum=80,
+        maximum=10_000,
+    )
+    search_every: int = setting(
+        25, "Number of frames between two face detections on the whole frame.", minimum=1, maximum=100_000
+    )
+    similarity_threshold: float = setting(
+        0.8,
+        "Correlation of the face with the last confirmed one below which the face detector is run again.",
+        minimum=0,
+        maximum=1,
+    )
+    smoothing: float = setting(
+        0.4,
+        "Standard deviation, in frames, of the Gaussian that smooths the landmarks over time; 0 for none.",
+        minimum=0,
+        maximum=1000,
+    )
+    max_missing_share: float = setting(
+        0.2,
+        "An utterance is rejected if no face is found in a larger share of its frames than this.",
+        minimum=0,
+        maximum=1,
+    )
+    max_missing_seconds: float = setting(
+        0.4, "An utterance is rejected if no face is found for longer than this, in seconds.", minimum=0, maximum=3600
+    )
 
 
 class Tracker(Protocol):

@@ -13,10 +13,10 @@ from itertools import product
 from pathlib import Path
 
 from visualspeech.errors import SettingError, StorageError
-from visualspeech.fields import class_named, with_defaults
+from visualspeech.fields import with_defaults
 from visualspeech.models.rows import ModelRow
 from visualspeech.models.training_settings import TrainingSettings, training_settings
-from visualspeech.schema import did_you_mean
+from visualspeech.schema import did_you_mean, settings_class
 from visualspeech.storage import read_model_of
 
 
@@ -93,11 +93,6 @@ def family_named(name: str, where: str) -> Family:
     return FAMILIES[name]
 
 
-def settings_class(family: Family):
-    """The class of a family's settings; None where it has none."""
-    return class_named(family.settings) if family.settings else None
-
-
 def expand(models: Mapping, blocks: Mapping, training: Mapping, seeds: Sequence[int], where: str) -> list[ModelRow]:
     """The rows of a system, in the order of the result tables, all settings filled in.
 
@@ -153,7 +148,7 @@ def _rows_of(key: str, entry: Mapping, blocks, training: Mapping, seeds: Sequenc
         raise SettingError(f"`{where}` lacks `family`. Known: {', '.join(FAMILIES)}.")
     family = family_named(entry["family"], where)
     own = {name: value for name, value in entry.items() if name not in ENTRY_KEYS}
-    cls = settings_class(family)
+    cls = settings_class(family.settings) if family.settings else None
     known = [one.name for one in dataclass_fields(cls) if one.name != "seed"] if cls else []
     for name in own:
         if name not in known:

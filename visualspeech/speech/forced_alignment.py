@@ -6,8 +6,8 @@ from pathlib import Path
 
 import numpy as np
 
-from visualspeech.errors import DataError, RejectedUtterance, SettingError
-from visualspeech.media.reading import read_audio
+from visualspeech.errors import DataError, RejectedUtterance
+from visualspeech.fields import Settings, setting
 from visualspeech.speech.alignment import Alignment, Segment
 from visualspeech.speech.lexicon import Lexicon, Pronunciation
 from visualspeech.speech.phones import CLASSES, SILENCE, STATES
@@ -35,45 +35,57 @@ _DIGITS = 5  # decimal places of times in seconds
 
 
 @dataclass(frozen=True)
-class AlignmentSettings:
-    """Parameters of the alignment and of its refusal. Scores are in the decoder's units a frame.
+class AlignmentSettings(Settings):
+    """Forced alignment, and when a transcript is rejected.
 
-    Parameters
-    ----------
-    speech_level, margin : what is taken for speech and how much around it, see :func:`speech_part`
-    padding : seconds of quiet noise put before and after, so that the sound may begin and end with speech
-    noise : amplitude of that noise, root mean square in 16-bit steps
-    pause : probability of a pause between two words
-    shortest_pause : seconds; what is shorter is no pause but the closure of the stop after it, or the end of the word
-    mismatch : how much worse than any sequence of phones the transcript may explain the sound
-    word_mismatch : the same for the worst word
-    hasty : share of phones of the shortest possible length (3 frames), at most; words squeezed in beside noise are such
+    A pause that is too short is the closure of the stop after it, or belongs to the word before. Words that are
+    squeezed in beside noise consist of phones of minimum duration.
     """
 
-    speech_level: float = 0.3
-    margin: float = 0.1
-    padding: float = 0.2
-    noise: float = 5.0
-    pause: float = 0.05
-    shortest_pause: float = 0.1
-    mismatch: float = 40.0
-    word_mismatch: float = 110.0
-    hasty: float = 0.55
-
-    def __post_init__(self) -> None:
-        for name, limit in (
-            ("speech_level", 1),
-            ("margin", 60),
-            ("padding", 60),
-            ("noise", 1000),
-            ("pause", 1),
-            ("shortest_pause", 60),
-        ):
-            if not 0 <= getattr(self, name) <= limit:
-                raise SettingError(f"alignment.{name} is {getattr(self, name)}; give a number from 0 to {limit}.")
-        for name in ("mismatch", "word_mismatch", "hasty"):
-            if not getattr(self, name) > 0:
-                raise SettingError(f"alignment.{name} is {getattr(self, name)}; give a number above 0.")
+    section = "alignment"
+    speech_threshold: float = setting(
+        0.3,
+        "Loudness from which a frame counts as speech, as a share of the range from quiet to loud frames of the "
+        "utterance.",
+        minimum=0,
+        maximum=1,
+    )
+    speech_margin: float = setting(
+        0.1, "Time kept before and after the speech for the decoder, in seconds.", minimum=0, maximum=60
+    )
+    padding: float = setting(
+        0.2, "Duration of the quiet noise added before and after the sound, in seconds.", minimum=0, maximum=60
+    )
+    padding_noise: float = setting(
+        5.0, "Root-mean-square amplitude of the padding noise, in 16-bit steps.", minimum=0, maximum=1000
+    )
+    pause_probability: float = setting(0.05, "Probability of a pause between two words.", minimum=0, maximum=1)
+    min_pause: float = setting(
+        0.1,
+        "Minimum duration of a pause between words in seconds; a shorter one becomes part of a neighbouring word.",
+        minimum=0,
+        maximum=60,
+    )
+    max_mismatch: float = setting(
+        40.0,
+        "An utterance is rejected if unconstrained phone recognition scores better than its transcript by more than "
+        "this (log score of the decoder per frame of speech).",
+        above=0,
+        maximum=1_000_000,
+    )
+    max_word_mismatch: float = setting(
+        110.0,
+        "An utterance is rejected if the same difference exceeds this in one of its words (log score of the decoder "
+        "per frame).",
+        above=0,
+        maximum=1_000_000,
+    )
+    max_short_phone_share: float = setting(
+        0.55,
+        "An utterance is rejected if a larger share of its phones has the minimum duration of three frames (30 ms).",
+        above=0,
+        maximum=1,
+    )
 
 
 class Aligner:
@@ -124,6 +136,8 @@ def align(
 def _samples(sound: str | Path | np.ndarray) -> np.ndarray:
     """Samples (n,) int16, mono, 16 kHz, of a recording; see :func:`align`."""
     if isinstance(sound, str | Path):
+        from visualspeech.media.reading import read_audio
+
         return to_int16(read_audio(sound, RATE))
     samples = np.ascontiguousarray(sound)
     floating = np.issubdtype(samples.dtype, np.floating)
@@ -163,12 +177,12 @@ class Pronounced:
 
 def align_words(samples: np.ndarray, spoken: Pronounced, settings: AlignmentSettings) -> Alignment:
     """Align the samples (n,) of one utterance, int16, mono, 16 kHz, with its words, see :func:`align`."""
-    start, end = speech_part(samples, settings.speech_level, settings.margin)
+    start, end = speech_part(samples, settings.speech_threshold, settings.speech_margin)
     words = list(spoken.words)
     # The second attempt covers the whole sound, in case speech below the loudness threshold was cut off.
     for first, last, padding in ((start, end, settings.padding), (0, len(samples), 2 * settings.padding)):
-        sound = padded(samples[first:last], padding, settings.noise)
-        phones = recognise_words(sound, words, spoken.pronunciations, settings.pause)
+        sound = padded(samples[first:last], padding, settings.padding_noise)
+        phones = recognise_words(sound, words, spoken.pronunciations, settings.pause_probability)
         rejection = _rejection(phones, sound, words, settings)
         if rejection is None:
             phones = _without_closures(_moved(phones, first / RATE - round(padding * RATE) / RATE), settings)
@@ -190,16 +204,16 @@ def _rejection(phones, sound, words, settings) -> RejectedUtterance | None:
     shortest = np.mean([phone.frames <= STATES for phone in spoken])
     overall, each = mismatch(phones, free)
     worst = int(np.argmax(each))
-    if overall > settings.mismatch or shortest > settings.hasty:
+    if overall > settings.max_mismatch or shortest > settings.max_short_phone_share:
         return RejectedUtterance(
-            f"the transcript is not what is said (mismatch {overall:.0f}, limit {settings.mismatch:g}; "
-            f"{shortest:.0%} of its phones are too short, limit {settings.hasty:.0%})",
+            f"the transcript is not what is said (mismatch {overall:.0f}, limit {settings.max_mismatch:g}; "
+            f"{shortest:.0%} of its phones are too short, limit {settings.max_short_phone_share:.0%})",
             LISTEN,
         )
-    if each[worst] > settings.word_mismatch:
+    if each[worst] > settings.max_word_mismatch:
         return RejectedUtterance(
             f"the word {words[worst]!r} of the transcript is not said "
-            f"(mismatch {each[worst]:.0f}, limit {settings.word_mismatch:g})",
+            f"(mismatch {each[worst]:.0f}, limit {settings.max_word_mismatch:g})",
             LISTEN,
         )
     return None
@@ -276,7 +290,7 @@ def _without_closures(phones: list[RecognisedPhone], settings: AlignmentSettings
     kept = list(phones)
     for i in range(len(phones) - 2, 0, -1):
         start, end = phones[i].borders[0], phones[i].borders[-1]
-        if phones[i].word != -1 or end - start >= settings.shortest_pause:
+        if phones[i].word != -1 or end - start >= settings.min_pause:
             continue
         if kept[i + 1].label in CLASSES["stop"] | CLASSES["affricate"]:
             kept[i + 1] = replace(kept[i + 1], borders=(start, *kept[i + 1].borders[1:]))

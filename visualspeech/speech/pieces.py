@@ -132,7 +132,7 @@ def _phones(samples: np.ndarray, settings: AlignmentSettings) -> list[tuple[str,
     moved = round(settings.padding * RATE) / RATE
     found = [
         (one.label, np.clip(one.borders[0] - moved, 0, seconds), np.clip(one.borders[-1] - moved, 0, seconds))
-        for one in recognise_phones(padded(samples, settings.padding, settings.noise))
+        for one in recognise_phones(padded(samples, settings.padding, settings.padding_noise))
     ]
     found = [one for one in found if one[2] > one[1]] or [(SILENCE, 0.0, seconds)]
     starts = [0.0, *(float(start) for _, start, _ in found[1:]), seconds]
@@ -175,11 +175,11 @@ def recognise(window: np.ndarray, words: Pronounced, settings: AlignmentSettings
     if not words.words or not np.any(window):
         return []
     # A decoder finds words in a long silence before them, and cannot do with one that is perfectly still.
-    first, _ = speech_part(window, settings.speech_level, settings.margin)
-    noise = np.random.default_rng(0).normal(0, settings.noise, len(window))
+    first, _ = speech_part(window, settings.speech_threshold, settings.speech_margin)
+    noise = np.random.default_rng(0).normal(0, settings.padding_noise, len(window))
     window = np.clip(window + np.rint(noise), -32768, 32767).astype(np.int16)
-    sound = padded(window[first:], settings.padding, settings.noise)[: -max(1, round(settings.padding * RATE))]
-    found = recognise_beginning(sound, words.words, words.pronunciations, settings.pause)
+    sound = padded(window[first:], settings.padding, settings.padding_noise)[: -max(1, round(settings.padding * RATE))]
+    found = recognise_beginning(sound, words.words, words.pronunciations, settings.pause_probability)
     moved = first / RATE - settings.padding
     return [(start + moved, end + moved) for start, end in found]
 

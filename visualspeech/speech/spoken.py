@@ -24,35 +24,10 @@ from visualspeech.speech.phones import SILENCE, STATES
 from visualspeech.speech.pieces import align_pieces, recognised_pieces
 from visualspeech.speech.recognition import RATE, to_int16
 from visualspeech.speech.sentences import split_sentences
+from visualspeech.speech.spoken_settings import VoiceSettings
 
 THIRDS = (1 / STATES,) * STATES
 SOUND_RATE = 48000  # Hz, of the sound of a recording in a video
-
-
-@dataclass(frozen=True)
-class VoiceSettings:
-    """How a text is spoken.
-
-    Parameters
-    ----------
-    voice : name of a voice of eSpeak NG; the phones are read as those of American English
-    rate_wpm : words a minute, 80 to 450
-    pitch : 0 (low) to 100 (high)
-    before, after : seconds of silence before the first and after the last sentence
-    pause : seconds of silence between two sentences
-    """
-
-    voice: str = tts.VOICE
-    rate_wpm: int = 150
-    pitch: int = 45
-    before: float = 0.4
-    after: float = 0.6
-    pause: float = 0.45
-
-    def __post_init__(self) -> None:
-        for name in ("before", "after", "pause"):
-            if not 0 <= getattr(self, name) <= 60:
-                raise SettingError(f"{name} is {getattr(self, name)!r}; give seconds of silence from 0 to 60.")
 
 
 @dataclass(frozen=True)
@@ -96,8 +71,10 @@ def speak_text(
             raise SettingError(f"there is no word to pronounce in {sentence!r}; give English words or numbers.")
         last = number == len(sentences) - 1
         # Half a pause on either side of a border: every sentence comes out of silence and goes into it, as in training.
-        before = settings.before if number == 0 else settings.pause / 2
-        yield _with_silence(sentence, speech, before, settings.after if last else settings.pause / 2, shares or {})
+        before = settings.leading_silence if number == 0 else settings.sentence_pause / 2
+        yield _with_silence(
+            sentence, speech, before, settings.trailing_silence if last else settings.sentence_pause / 2, shares or {}
+        )
 
 
 def speak_recording(

@@ -1,6 +1,7 @@
 """Check the recordings of one shard before anything heavy runs, and keep their sound for the stages that listen."""
 
-from visualspeech.corpora.check import CheckSettings, check_recording, write_digests
+from visualspeech.corpora.check import check_recording, write_digests
+from visualspeech.corpora.check_settings import CheckSettings
 from visualspeech.corpora.findings import write_findings
 from visualspeech.corpora.table import read_utterances
 from visualspeech.jobs import job, progress

@@ -9,5 +9,7 @@ from visualspeech.storage import ArrayCollection
 with job(snakemake.log[0]), ArrayCollection(snakemake.input.landmarks) as landmarks:
     split = read_split(snakemake.input.split)
     settings = PoseSettings(**snakemake.params.settings)
-    points, size = sample_points(landmarks, [one for one in landmarks.ids if split[one] == "train"], settings.frames)
+    points, size = sample_points(
+        landmarks, [one for one in landmarks.ids if split[one] == "train"], settings.max_frames
+    )
     fit_head(points, size, settings).save(snakemake.output[0])

@@ -3,7 +3,8 @@
 from pathlib import Path
 
 from visualspeech.animation.pairs import write_pair
-from visualspeech.animation.video import Recording, Speaker, VideoSettings
+from visualspeech.animation.video import Recording, Speaker
+from visualspeech.animation.video_settings import VideoSettings
 from visualspeech.corpora.table import of_split, read_utterances
 from visualspeech.evaluation.preference import answer_sheet, draw_pairs, key_table
 from visualspeech.face.aam.model import reference_face

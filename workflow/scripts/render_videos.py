@@ -2,7 +2,8 @@
 
 from pathlib import Path
 
-from visualspeech.animation.video import Recording, Speaker, VideoSettings, write_talking_head
+from visualspeech.animation.video import Recording, Speaker, write_talking_head
+from visualspeech.animation.video_settings import VideoSettings
 from visualspeech.corpora.table import of_split, read_utterances
 from visualspeech.face.aam.model import reference_face
 from visualspeech.face.pose import Pose

@@ -2,9 +2,11 @@
 
 from visualspeech.animation.bundle import SpeakerBundle
 from visualspeech.animation.performance import perform
-from visualspeech.animation.speaking import SpeakSettings, speak
+from visualspeech.animation.speaking import speak
+from visualspeech.animation.speaking_settings import SpeakSettings
 from visualspeech.jobs import job
-from visualspeech.speech.spoken import VoiceSettings, speak_text
+from visualspeech.speech.spoken import speak_text
+from visualspeech.speech.spoken_settings import VoiceSettings
 
 with job(snakemake.log[0]):
     bundle, voice = SpeakerBundle.load(snakemake.input[0]), VoiceSettings(**snakemake.params.voice)

@@ -180,7 +180,7 @@ def test_lengths_that_do_not_fit_are_told(stitching):
 
 
 def test_settings_out_of_range_are_told():
-    for change in ({"opaque": 0}, {"reach": 0.1}, {"colour_smoothing": -1.0}):
+    for change in ({"seam_width": 0}, {"warp_reach": 0.1}, {"colour_smoothing": -1.0}):
         with pytest.raises(SettingError, match=next(iter(change))):
             dataclasses.replace(RenderSettings(), **change)
 

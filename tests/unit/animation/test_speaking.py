@@ -9,7 +9,8 @@ from tests.unit.animation import speakers
 from visualspeech.animation import speaking
 from visualspeech.animation.bundle import FILES, SpeakerBundle, check_together, rest_of, resting_face, resting_frames
 from visualspeech.animation.performance import REST, in_phones_of, pause_weights, perform
-from visualspeech.animation.speaking import SpeakSettings, scene, speak, speaking_frames
+from visualspeech.animation.speaking import scene, speak, speaking_frames
+from visualspeech.animation.speaking_settings import SpeakSettings
 from visualspeech.errors import DataError, SettingError, StorageError
 from visualspeech.face.aam.points import INNER_LIPS, to_points
 from visualspeech.features.resampling import resample
@@ -17,7 +18,8 @@ from visualspeech.media.reading import probe, read_audio, read_frames
 from visualspeech.media.spooling import Spool
 from visualspeech.speech.alignment import to_table
 from visualspeech.speech.phones import PHONES
-from visualspeech.speech.spoken import Spoken, VoiceSettings, speak_text, timed
+from visualspeech.speech.spoken import Spoken, speak_text, timed
+from visualspeech.speech.spoken_settings import VoiceSettings
 
 
 @pytest.fixture(scope="module")
@@ -171,11 +173,11 @@ def test_the_mouth_is_at_rest_in_silence(bundle):
 
 def test_sound_and_picture_are_of_one_length(bundle):
     texts = "One. Two three. Four five six. Seven."
-    performance = perform(speak_text(texts, VoiceSettings(pause=0.3111)), bundle.network, bundle.rest)
+    performance = perform(speak_text(texts, VoiceSettings(sentence_pause=0.3111)), bundle.network, bundle.rest)
     assert performance.text == texts
     assert abs(len(performance.samples) / performance.audio_rate - performance.seconds) < 1e-3
     # The sound of each sentence is where its frames are: nothing is lost or moved by more than a frame a text.
-    plain = np.concatenate([one.samples for one in speak_text(texts, VoiceSettings(pause=0.3111))])
+    plain = np.concatenate([one.samples for one in speak_text(texts, VoiceSettings(sentence_pause=0.3111))])
     assert 0 <= len(performance.samples) - len(plain) <= 4 * performance.audio_rate / 25
     assert np.square(np.concatenate(list(performance.sound()))).sum() == pytest.approx(np.square(plain).sum(), rel=1e-4)
 

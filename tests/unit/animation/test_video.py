@@ -9,12 +9,12 @@ from visualspeech.animation.video import (
     Panel,
     Recording,
     Speaker,
-    VideoSettings,
     side_by_side,
     synthetic_frames,
     video_metadata,
     write_talking_head,
 )
+from visualspeech.animation.video_settings import VideoSettings
 from visualspeech.corpora.records import Utterance
 from visualspeech.errors import DataError
 from visualspeech.face.aam.model import AamSettings, fit

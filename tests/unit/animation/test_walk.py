@@ -89,10 +89,10 @@ def test_costs_are_the_mean_distance_along_both_ways():
 
 
 def test_bad_settings():
-    with pytest.raises(SettingError, match="mixed"):
-        WalkSettings(mixed=-1)
-    with pytest.raises(SettingError, match="unseen"):
-        WalkSettings(unseen=-1)
+    with pytest.raises(SettingError, match="crossfade_frames"):
+        WalkSettings(crossfade_frames=-1)
+    with pytest.raises(SettingError, match="visibility_threshold"):
+        WalkSettings(visibility_threshold=-1)
     with pytest.raises(DataError, match="no background"):
         next(walk(np.zeros((0, 0)), np.zeros(0, int), 25.0))
     assert next(walk(np.zeros((1, 1)), np.zeros(1, int), 25.0)) == Mix(0, 0, 0.0)
@@ -109,6 +109,6 @@ def test_eyes_do_not_close_again_at_once():
         shut = np.array([closed[mix.other if mix.share > 0.5 else mix.frame] for mix in way])
         return np.diff(np.flatnonzero(np.diff(shut.astype(int)) == 1)) / 25
 
-    assert np.mean(gaps(blinks_apart=0.0) < 1.5) > 0.2
+    assert np.mean(gaps(min_blink_interval=0.0) < 1.5) > 0.2
     assert np.mean(gaps() < 1.2) < 0.02
     assert gaps().max() < 15

@@ -6,7 +6,8 @@ import pytest
 from tests import synthetic
 from tests.paths import grid_root
 from visualspeech.corpora import check
-from visualspeech.corpora.check import CheckSettings, check_recording
+from visualspeech.corpora.check import check_recording
+from visualspeech.corpora.check_settings import CheckSettings
 from visualspeech.corpora.findings import REJECT, WARN
 from visualspeech.corpora.records import Utterance
 from visualspeech.media import reading
@@ -204,8 +205,8 @@ def test_parts_of_a_recording(tmp_path):
 
 def test_limits_are_settings(tmp_path):
     path = record(tmp_path, rate=15)
-    assert warnings(path, settings=CheckSettings(low_rate=12.0)) == []
-    assert "15 frames per second are too few" in rejected(path, settings=CheckSettings(lowest_rate=20.0))
+    assert warnings(path, settings=CheckSettings(warn_rate_below=12.0)) == []
+    assert "15 frames per second are too few" in rejected(path, settings=CheckSettings(min_rate=20.0))
 
 
 def test_duplicates_are_found_across_files_and_shards(tmp_path):

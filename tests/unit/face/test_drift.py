@@ -27,7 +27,7 @@ def test_reference_is_the_mean_of_the_frames_that_the_method_names():
 def test_without_enough_silence_the_clip_mean_serves():
     shape, texture = _utterance()
     silent = np.arange(40) < 4
-    found = drift.reference_of(shape, texture, silent, DriftSettings("silence", least_silent_frames=5))
+    found = drift.reference_of(shape, texture, silent, DriftSettings("silence", min_silent_frames=5))
     np.testing.assert_array_equal(found.texture, drift.reference_of(shape, texture).texture)
 
 
@@ -73,7 +73,7 @@ def test_corpus_reference_counts_every_utterance_once_and_without_drift_is_zero(
 
 def test_what_does_not_fit_is_refused():
     shape, texture = _utterance()
-    with pytest.raises(SettingError, match="drift method 'median'"):
+    with pytest.raises(SettingError, match="`drift.method: median` must be one of clip_mean"):
         DriftSettings("median")
     with pytest.raises(DataError, match="40 shapes and 39"):
         drift.reference_of(shape, texture[1:])

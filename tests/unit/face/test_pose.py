@@ -9,7 +9,7 @@ from visualspeech.face import pose as poses
 from visualspeech.face.head import HeadModel, PoseSettings
 from visualspeech.face.tracker import RIGID
 
-SHARP = PoseSettings(rotation_smoothing=0, place_smoothing=0)
+SHARP = PoseSettings(rotation_smoothing=0, translation_smoothing=0)
 
 
 @pytest.fixture(scope="module")

@@ -135,9 +135,9 @@ def test_mistaken_arguments():
     with pytest.raises(DataError, match="int16"):
         align(np.zeros(RATE), "hello")
     with pytest.raises(SettingError, match="alignment.pause"):
-        AlignmentSettings(pause=2.0)
-    with pytest.raises(SettingError, match="alignment.hasty"):
-        AlignmentSettings(hasty=0.0)
+        AlignmentSettings(pause_probability=2.0)
+    with pytest.raises(SettingError, match="alignment.max_short_phone_share"):
+        AlignmentSettings(max_short_phone_share=0.0)
 
 
 def test_tables_read_back_the_same(alignments, tmp_path):

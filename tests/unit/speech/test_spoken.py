@@ -6,7 +6,8 @@ from visualspeech.features.labels import label_indices
 from visualspeech.media.reading import read_audio
 from visualspeech.speech.alignment import to_table
 from visualspeech.speech.phones import PHONES, SILENCE
-from visualspeech.speech.spoken import THIRDS, VoiceSettings, speak_recording, speak_text, state_shares, timed
+from visualspeech.speech.spoken import THIRDS, speak_recording, speak_text, state_shares, timed
+from visualspeech.speech.spoken_settings import VoiceSettings
 from visualspeech.speech.tts import synthesise
 
 
@@ -31,9 +32,9 @@ def test_sentences_begin_and_end_in_silence(spoken):
     for one in spoken:
         assert one.alignment.phones[0].label == one.alignment.phones[-1].label == SILENCE
         assert np.abs(one.samples[: round(0.2 * one.rate)]).max() == 0
-    assert spoken[0].alignment.phones[0].end == pytest.approx(settings.before, abs=0.02)
+    assert spoken[0].alignment.phones[0].end == pytest.approx(settings.leading_silence, abs=0.02)
     gap = spoken[0].alignment.phones[-1], spoken[1].alignment.phones[0]
-    assert gap[0].end - gap[0].start + gap[1].end > settings.pause - 0.02
+    assert gap[0].end - gap[0].start + gap[1].end > settings.sentence_pause - 0.02
     assert [word.label for word in spoken[0].alignment.words] == ["sil", "baby", "boys", "play", "sil"]
 
 
@@ -65,7 +66,7 @@ def test_texts_and_settings_that_cannot_be_spoken():
     with pytest.raises(SettingError, match="no voice"):
         next(speak_text("Hello.", VoiceSettings(voice="martian")))
     with pytest.raises(SettingError, match="pause"):
-        VoiceSettings(pause=-1)
+        VoiceSettings(sentence_pause=-1)
 
 
 def test_a_recording_is_aligned_with_its_words(tmp_path):

@@ -15,7 +15,7 @@ Eq. 7 and 8 hold as they stand: a = v P_vs, b = v P_vt, s = s_0 + v Q_s, t = t_0
 
 import tempfile
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass, field
+from dataclasses import asdict, dataclass
 from functools import cached_property
 from pathlib import Path
 from typing import NamedTuple
@@ -27,6 +27,7 @@ from visualspeech.face.aam.empca import Rows, em_pca, pca
 from visualspeech.face.aam.points import FREEDOM
 from visualspeech.face.aam.rows import RowFile, choose_frames
 from visualspeech.face.drift import FaceReference, corpus_reference, remove
+from visualspeech.fields import MAX_SEED, Settings, restored, setting
 from visualspeech.jobs import log, progress
 from visualspeech.storage import read_model_of, write_model
 
@@ -34,39 +35,83 @@ WEIGHTINGS = ("variance", "none")
 _CHUNK = 256  # frames in work at a time
 
 
-@dataclass(frozen=True)
-class AamSettings:
-    """How an AAM is trained.
+MOST_COMPONENTS = 100_000
+#: One analysis keeps a share of the variance (perhaps capped), or a number of components.
+TARGET = {
+    "type": "object",
+    "additionalProperties": False,
+    "oneOf": [{"required": ["energy"]}, {"required": ["components"]}],
+    "dependentRequired": {"at_most": ["energy"]},
+    "properties": {
+        "energy": {
+            "description": "Share of the training variance that is kept, above 0 and below 1.",
+            "type": "number",
+            "exclusiveMinimum": 0,
+            "exclusiveMaximum": 1,
+        },
+        "at_most": {
+            "description": "With `energy`: maximum number of components.",
+            "type": "integer",
+            "minimum": 1,
+            "maximum": MOST_COMPONENTS,
+        },
+        "components": {
+            "description": "Number of components.",
+            "type": "integer",
+            "minimum": 1,
+            "maximum": MOST_COMPONENTS,
+        },
+    },
+}
 
-    Parameters
-    ----------
-    images : most training frames, drawn at random from all training utterances (the paper: 20,000)
-    shape, texture, appearance : for each of the three analyses ``{"components": number}`` or ``{"energy": fraction}``,
-        beside the latter ``"at_most": number``, a cap. (The paper: 66 shape components with about 99 %, 100 texture
-        components with about 87 %, 87 joint ones. Noise of the camera and of video compression may spread the last
-        tenth of the texture's variance over more directions than a model has use for; hence the cap.)
-    weighting : ``variance`` or ``none``, see the module
-    iterations : most passes of EM-PCA
-    seed : of the draw of frames and of EM-PCA's start
+
+@dataclass(frozen=True)
+class AamSettings(Settings):
+    """Training of the active appearance model.
+
+    The paper keeps 66 shape components with about 99 % of the variance, 100 texture components with about 87 %, and 87
+    joint ones. Noise of the camera and of video compression may spread the last tenth of the texture's variance over
+    more directions than a model has use for; hence the cap.
     """
 
-    images: int = 20000
-    shape: Mapping = field(default_factory=lambda: {"energy": 0.99})
-    texture: Mapping = field(default_factory=lambda: {"energy": 0.87, "at_most": 100})
-    appearance: Mapping = field(default_factory=lambda: {"energy": 0.99})
-    weighting: str = "variance"
-    iterations: int = 10
-    seed: int = 0
+    section = "aam"
+    images: int = setting(
+        20000,
+        "Maximum number of training frames, drawn at random from all training utterances.",
+        minimum=2,
+        maximum=10_000_000,
+    )
+    shape: Mapping = setting(
+        {"energy": 0.99},
+        "Components of the shape analysis: `energy` (share of the variance, with `at_most` as a cap) or `components`.",
+        item=TARGET,
+    )
+    texture: Mapping = setting(
+        {"energy": 0.87, "at_most": 100},
+        "Components of the texture analysis: `energy` (share of the variance, with `at_most` as a cap) or "
+        "`components`.",
+        item=TARGET,
+    )
+    appearance: Mapping = setting(
+        {"energy": 0.99},
+        "Components of the joint analysis: `energy` (share of the variance, with `at_most` as a cap) or `components`.",
+        item=TARGET,
+    )
+    weighting: str = setting(
+        "variance",
+        "Weight of shape against texture in the joint analysis (Eq. 6): equal total variance, or none (pixels against "
+        "grey levels).",
+        choices=WEIGHTINGS,
+    )
+    iterations: int = setting(10, "Maximum number of iterations of EM-PCA.", minimum=1, maximum=1000)
+    seed: int = setting(
+        0, "Seed of the draw of training frames and of the start of EM-PCA.", minimum=0, maximum=MAX_SEED
+    )
 
     def __post_init__(self) -> None:
+        super().__post_init__()
         for name in ("shape", "texture", "appearance"):
             _check_target(name, getattr(self, name))
-        if self.weighting not in WEIGHTINGS:
-            raise SettingError(f"AAM weighting {self.weighting!r} is unknown; give one of {', '.join(WEIGHTINGS)}.")
-        for name, least in (("images", 2), ("iterations", 1)):
-            value = getattr(self, name)
-            if not isinstance(value, int) or value < least:
-                raise SettingError(f"AAM {name} is {value!r}; give a whole number, {least} or more.")
         self.check_possible(self.images)
 
     def check_possible(self, images: int) -> None:
@@ -97,14 +142,17 @@ class AamSettings:
 def _check_target(name: str, target: Mapping) -> None:
     if not isinstance(target, Mapping) or set(target) not in ({"energy"}, {"energy", "at_most"}, {"components"}):
         raise SettingError(
-            f"AAM {name} is {target!r}; give energy (a fraction such as 0.99, with at_most beside it where the number "
+            f"`aam.{name}: {target}` must be energy (a fraction such as 0.99, with at_most beside it where the number "
             "of components is to be capped) or components (a number)."
         )
     for key, value in target.items():
         if key == "energy" and not (isinstance(value, int | float) and 0 < value < 1):
-            raise SettingError(f"AAM {name} energy is {value!r}; give a fraction above 0 and below 1.")
-        if key != "energy" and not (isinstance(value, int) and value >= 1):
-            raise SettingError(f"AAM {name} {key} is {value!r}; give a whole number, 1 or more.")
+            raise SettingError(f"`aam.{name}.energy: {value}` must be above 0 and below 1, for example 0.99.")
+        whole = isinstance(value, int) and not isinstance(value, bool)
+        if key != "energy" and not (whole and 1 <= value <= MOST_COMPONENTS):
+            raise SettingError(
+                f"`aam.{name}.{key}: {value}` must be a whole number, at least 1 and at most {MOST_COMPONENTS}."
+            )
 
 
 class Parameters(NamedTuple):
@@ -241,7 +289,7 @@ class Aam:
         tensors, settings = read_model_of(path, "appearance model", [None], _ARRAYS)
         drift = FaceReference(tensors.pop("drift_shape"), tensors.pop("drift_texture"))
         weight = tensors.pop("shape_weight").item()
-        return cls(drift=drift, shape_weight=weight, settings=AamSettings(**settings), **tensors)
+        return cls(drift=drift, shape_weight=weight, settings=restored(AamSettings, settings, path), **tensors)
 
 
 _ARRAYS = (

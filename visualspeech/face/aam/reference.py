@@ -12,8 +12,9 @@ from pathlib import Path
 
 import numpy as np
 
-from visualspeech.errors import DataError, SettingError
+from visualspeech.errors import DataError
 from visualspeech.face.aam.points import INNER_LIPS, LIPS, LOWERED, POINTS, TRIANGLES
+from visualspeech.fields import Settings, restored, setting
 from visualspeech.storage import read_model_of, write_model
 
 _INNER = range(INNER_LIPS.start, INNER_LIPS.stop)
@@ -22,27 +23,27 @@ _CORNERS = INNER_LIPS.start, INNER_LIPS.start + 4
 
 
 @dataclass(frozen=True)
-class ReferenceSettings:
-    """The texture grid.
+class ReferenceSettings(Settings):
+    """Grid of pixels at which textures are sampled.
 
-    Parameters
-    ----------
-    texture_pixels : about how many pixels a texture has (U of Eq. 4); the grid is scaled to it
-    mouth_opening : least height of the inner mouth in the grid, as a share of the mouth's width. In a mean face the
-        lips nearly touch and teeth and mouth cavity would have no pixels; the grid's chin is lowered until they do
+    In a mean face the lips nearly touch, and teeth and mouth cavity would have no pixels: the chin of the grid is
+    lowered until the mouth is open.
     """
 
-    texture_pixels: int = 6000
-    mouth_opening: float = 0.2
-
-    def __post_init__(self) -> None:
-        # OpenCV reads no more than 32766 places at a time.
-        if not (isinstance(self.texture_pixels, int) and 100 <= self.texture_pixels <= 30_000):
-            raise SettingError(
-                f"texture_pixels is {self.texture_pixels!r}; give a whole number of pixels, 100 to 30000 (6000 serves)."
-            )
-        if not 0 < self.mouth_opening <= 1:
-            raise SettingError(f"mouth_opening is {self.mouth_opening!r}; give a share above 0, up to 1 (0.2 serves).")
+    section = "texture"
+    # OpenCV reads no more than 32766 places at a time.
+    texture_pixels: int = setting(
+        6000,
+        "Approximate number of pixels of a texture (U of Eq. 4), to which the grid is scaled.",
+        minimum=100,
+        maximum=30_000,
+    )
+    mouth_opening: float = setting(
+        0.2,
+        "Minimum height of the inner mouth in the grid, as a share of the mouth's width.",
+        minimum=0.001,
+        maximum=1,
+    )
 
 
 @dataclass(frozen=True)
@@ -89,7 +90,7 @@ class Reference:
     def load(cls, path: str | Path) -> "Reference":
         """Read what :meth:`save` wrote; raises as :func:`visualspeech.storage.read_model_of`."""
         tensors, settings = read_model_of(path, "texture grid", [None], _ARRAYS)
-        return cls(settings=ReferenceSettings(**settings), **tensors)
+        return cls(settings=restored(ReferenceSettings, settings, path), **tensors)
 
 
 _ARRAYS = ("mean_shape", "grid_shape", "pixels", "triangle", "barycentric", "nearest")

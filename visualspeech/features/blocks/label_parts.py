@@ -23,7 +23,7 @@ class LabelPartsSettings(Settings):
     parts: tuple[str, ...] = setting(
         tuple(PARTS),
         "Parts of a label beside phone and state.",
-        item={"enum": list(PARTS)},
+        item={"choices": tuple(PARTS), "description": "Name of a part."},
         min_items=1,
         unique=True,
     )

@@ -66,8 +66,10 @@ def refine(hmm: Hmm, training: Sequence[Example], validation: Sequence[Example])
     log.info("generation error before MGE training: training %.4f, validation %.4f", history[0][3], lowest)
     for epoch in range(1, settings.mge_epochs + 1):
         order, total, frames = generator.permutation(len(training)), 0.0, 0
-        for start in range(0, len(order), settings.mge_batch):
-            slope = gradient(current, [training[int(number)] for number in order[start : start + settings.mge_batch]])
+        for start in range(0, len(order), settings.mge_batch_size):
+            slope = gradient(
+                current, [training[int(number)] for number in order[start : start + settings.mge_batch_size]]
+            )
             total, frames, updates = total + slope.error, frames + slope.frames, updates + 1
             # The steps of the means are in standard deviations of the initial model.
             direction = np.stack([slope.mean * deviation, slope.log_precision])

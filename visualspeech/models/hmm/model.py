@@ -5,8 +5,9 @@ from dataclasses import asdict, dataclass, field
 
 import numpy as np
 
-from visualspeech.errors import DataError, SettingError
+from visualspeech.errors import DataError
 from visualspeech.features.resampling import resample
+from visualspeech.fields import MAX_SEED, Settings, setting
 from visualspeech.models.hmm.chains import timed_states
 from visualspeech.models.hmm.generation import Trajectory, generate
 from visualspeech.models.hmm.segments import PhoneTrack
@@ -17,74 +18,81 @@ from visualspeech.timing import frames_in
 
 
 @dataclass(frozen=True)
-class HmmSettings:
-    """How HMMs are built and trained.
+class HmmSettings(Settings):
+    """Phone HMMs: monophone, tied-state triphone and MGE-trained (Fan 2015, section 5.3, Table 3).
 
-    Parameters
-    ----------
-    variant : ``monophone``, ``tied`` (tied-state HMMs of phones in context) or ``mge`` (minimum generation error)
-    states : of each phone, left to right (Fan 2015, section 5.3: five)
-    rate : frame rate of the HMMs in Hz; streams are resampled to it, since a phone lasts hardly longer than a frame of
-        video
-    window : seconds between the taps of the delta windows
-    monophone_iterations, untied_iterations, tied_iterations : of Baum-Welch; the first of the untied models is made
-        with the monophones' probabilities of states
-    untied_weight : frames of the monophone that each untied Gaussian is held to it by
-    mdl : weight of the description length that ends the trees
-    min_frames : frames of video that a tied Gaussian must rest on
-    of_each_phone : a tree for each state of each phone, else for each state of all phones
-    variance_floor : least variance, as a share of the variance over all frames
-    mge_epochs : epochs of minimum generation error training at most
-    mge_learning_rate : its step size, in standard deviations of each Gaussian
-    mge_batch : utterances an update
-    mge_patience : epochs without a lower validation error after which it ends
-    mge_variances : refine the variances too
-    seed : of the order of the utterances
+    The paper gives each phone five states. A phone hardly lasts longer than a frame of video, so streams are resampled
+    to a higher rate.
     """
 
-    variant: str = "monophone"
-    states: int = 5
-    rate: float = 100.0
-    window: float = 0.04
-    monophone_iterations: int = 2
-    untied_iterations: int = 1
-    tied_iterations: int = 3
-    untied_weight: float = 10.0
-    mdl: float = 0.1
-    min_frames: float = 5.0
-    of_each_phone: bool = False
-    variance_floor: float = 0.01
-    mge_epochs: int = 20
-    mge_learning_rate: float = 0.01
-    mge_batch: int = 8
-    mge_patience: int = 3
-    mge_variances: bool = True
-    seed: int = 1
-
-    def __post_init__(self) -> None:
-        least = {
-            "states": 1,
-            "monophone_iterations": 0,
-            "untied_iterations": 1,
-            "tied_iterations": 0,
-            "untied_weight": 0,
-            "mdl": 0,
-            "min_frames": 1,
-            "mge_epochs": 1,
-            "mge_batch": 1,
-            "mge_patience": 1,
-        }
-        for name, limit in least.items():
-            if getattr(self, name) < limit:
-                raise SettingError(f"`hmm.{name}: {getattr(self, name)}` must be at least {limit}.")
-        for name in ("rate", "window", "variance_floor", "mge_learning_rate"):
-            if getattr(self, name) <= 0:
-                raise SettingError(f"`hmm.{name}: {getattr(self, name)}` must be above 0.")
+    section = "models"
+    variant: str = setting(
+        "monophone",
+        "Stage of training: monophone, tied (tied states of phones in context), mge (minimum generation error).",
+        choices=("monophone", "tied", "mge"),
+    )
+    states: int = setting(5, "Number of states per phone, left to right.", minimum=1, maximum=20)
+    rate: float = setting(100.0, "Frame rate of the HMMs in Hz; streams are resampled to it.", minimum=1, maximum=1000)
+    delta_step: float = setting(
+        0.04, "Time between the taps of the delta windows, in seconds.", minimum=0.0001, maximum=1
+    )
+    monophone_iterations: int = setting(2, "Baum-Welch iterations of the monophone HMMs.", minimum=0, maximum=1000)
+    untied_iterations: int = setting(
+        1, "Baum-Welch iterations of the triphone HMMs before their states are tied.", minimum=1, maximum=1000
+    )
+    tied_iterations: int = setting(3, "Baum-Welch iterations of the tied-state triphone HMMs.", minimum=0, maximum=1000)
+    map_tau: float = setting(
+        10.0,
+        "Weight tau of the MAP estimate of untied triphone Gaussians: number of frames that the monophone's Gaussian "
+        "counts for.",
+        minimum=0,
+        maximum=1_000_000,
+    )
+    mdl_factor: float = setting(
+        0.1,
+        "Factor on the description length that stops the growth of the decision trees; 1 as published, smaller gives "
+        "more Gaussians.",
+        minimum=0,
+        maximum=1000,
+    )
+    min_frames: float = setting(
+        5.0,
+        "Minimum occupancy of a tied Gaussian, in frames of the video.",
+        minimum=1,
+        maximum=1_000_000,
+    )
+    tree_per_phone: bool = setting(
+        False, "Grow one decision tree per state and phone; otherwise one per state, shared by all phones."
+    )
+    variance_floor: float = setting(
+        0.01,
+        "Minimum variance of a Gaussian, as a share of the variance over all frames.",
+        minimum=0.000001,
+        maximum=1,
+    )
+    mge_epochs: int = setting(
+        20, "Maximum number of epochs of minimum generation error (MGE) training.", minimum=1, maximum=100_000
+    )
+    mge_learning_rate: float = setting(
+        0.01,
+        "Learning rate of MGE training, in standard deviations of each Gaussian.",
+        minimum=0.00000001,
+        maximum=100,
+    )
+    mge_batch_size: int = setting(8, "Number of utterances per update of MGE training.", minimum=1, maximum=100_000)
+    mge_patience: int = setting(
+        3,
+        "Number of epochs without a lower validation error after which MGE training stops.",
+        minimum=1,
+        maximum=100_000,
+    )
+    mge_variances: bool = setting(True, "Train the variances by MGE too, not only the means.")
+    seed: int = setting(1, "Seed of the order of the utterances in MGE training.", minimum=0, maximum=MAX_SEED)
 
     @property
     def step(self) -> int:
         """Frames between the taps of the windows."""
-        return max(round(self.window * self.rate), 1)
+        return max(round(self.delta_step * self.rate), 1)
 
 
 @dataclass(frozen=True)

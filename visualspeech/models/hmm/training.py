@@ -77,7 +77,7 @@ def fit_tied(monophone: Hmm, training: Sequence[Example]) -> Hmm:
     for _ in range(settings.untied_iterations):
         sums = accumulate(training, untied.find, len(parent), gaussians, self_transition, settings.rate, settings.step)
         floor = _overall(sums, settings)[1] if floor is None else floor
-        gaussians, self_transition = sums.gaussians(floor, prior, settings.untied_weight), sums.self_transition()
+        gaussians, self_transition = sums.gaussians(floor, prior, settings.map_tau), sums.self_transition()
     log.info("%d phone contexts, %d Gaussians before tying", len(untied.contexts), len(parent))
     # Frames between those of the video carry no information: each counts as the share of a video frame that it is.
     weight = min(training[0][2] / settings.rate, 1.0)
@@ -94,8 +94,8 @@ def fit_tied(monophone: Hmm, training: Sequence[Example]) -> Hmm:
         centre,
         floor,
         settings.min_frames,
-        settings.mdl,
-        settings.of_each_phone,
+        settings.mdl_factor,
+        settings.tree_per_phone,
     )
     log.info("%d Gaussians after tying", tying.gaussians)
     start = _pooled(sums, tying.find(untied.contexts).ravel(), tying.gaussians).gaussians(

@@ -8,7 +8,7 @@ from visualspeech.models.hmm.mge import generation_error, gradient, refine
 from visualspeech.models.hmm.model import HmmSettings
 from visualspeech.models.hmm.training import fit_monophones, fit_tied
 
-SETTINGS = HmmSettings(states=3, rate=50.0, min_frames=4, mdl=0.5, mge_epochs=8)
+SETTINGS = HmmSettings(states=3, rate=50.0, min_frames=4, mdl_factor=0.5, mge_epochs=8)
 TRAINING, VALIDATION = utterances(30), utterances(8, seed=7)
 
 

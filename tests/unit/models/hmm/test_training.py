@@ -11,7 +11,7 @@ from visualspeech.models.hmm.statistics import Gaussians, accumulate, prepare
 from visualspeech.models.hmm.training import fit_monophones, fit_tied
 from visualspeech.models.hmm.tying import monophones
 
-SMALL = HmmSettings(states=3, rate=50.0, min_frames=4, mdl=0.5)
+SMALL = HmmSettings(states=3, rate=50.0, min_frames=4, mdl_factor=0.5)
 TRAINING, TEST = utterances(30), utterances(10, seed=7)
 
 
@@ -119,7 +119,7 @@ def test_data_that_does_not_fit(tied):
         tied.predict(track, 0, rate)
 
 
-@pytest.mark.parametrize("change", [{"states": 0}, {"rate": 0}, {"mdl": -1}, {"mge_epochs": 0}])
+@pytest.mark.parametrize("change", [{"states": 0}, {"rate": 0}, {"mdl_factor": -1}, {"mge_epochs": 0}])
 def test_settings_out_of_range_are_named(change):
     with pytest.raises(SettingError, match=f"hmm.{next(iter(change))}"):
         HmmSettings(**change)

@@ -95,7 +95,7 @@ def fit_faces(
     if len(pose) != len(start):
         raise DataError(f"landmarks of {len(start)} frames but poses of {len(pose)}")
     fits, textures, last, done = [], [], None, 0
-    for batch in _batches(frames, model.settings.batch):
+    for batch in _batches(frames, model.settings.batch_size):
         rows = np.arange(done, done + len(batch))
         done += len(batch)
         if done > len(start):

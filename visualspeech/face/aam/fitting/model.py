@@ -18,9 +18,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from visualspeech.errors import DataError, SettingError
+from visualspeech.errors import DataError
 from visualspeech.face.aam.fitting.mesh import Mesh
 from visualspeech.face.aam.fitting.shapes import ShapeSpace
+from visualspeech.fields import Settings, setting
 
 VARIANTS = ("alternating", "simultaneous", "project_out")
 STARTS = ("landmarks", "last_frame")
@@ -29,64 +30,90 @@ LUMA = np.array([0.299, 0.587, 0.114], np.float32)
 
 
 @dataclass(frozen=True)
-class FittingSettings:
-    """How faces are fitted.
+class FittingSettings(Settings):
+    """Fitting of the active appearance model to frames.
 
-    Parameters
-    ----------
-    variant : ``alternating`` (texture solved for at every step, Wiberg's algorithm), ``simultaneous`` (texture and warp
-        changed together) or ``project_out`` (texture ignored by projection, Jacobian of the mean face: fastest, and
-        least exact where faces differ from the mean)
-    start : ``landmarks``: each frame starts from the tracker's points; ``last_frame``: from the fit of the frame before
-        (slower: nothing can be done for all frames at once), from the tracker's where that diverges
-    scales : how many grid pixels each way are one pixel; fitted coarse to fine, whatever the order given
-    iterations : most steps at a scale
-    tolerance : pixels of the grid; a frame is done with a scale when no point moves farther in a step
-    shape_modes, texture_modes : most modes that are fitted, the leading ones
-    prior : pull of the shape parameters to the mean, in multiples of what pixels with independent noise would call for
-        (neighbours are alike, so it is more than 1); 0 for none
-    shape_limit : shape parameters are held within this many standard deviations
-    batch : frames in work at a time
-    error_limit : a fit with more than this many times the model's own residual has diverged
-    worse_limit : so has one whose residual is this many times that of its start
-    distance_limit : and one whose points lie this far from the start, in the mean and as a share of the face's size
-        (root of the mean square distance of its points to their middle)
+    ``alternating`` solves for the texture at every step (Wiberg's algorithm), ``simultaneous`` changes texture and warp
+    together, ``project_out`` ignores the texture by projection, with the Jacobian of the mean face: fastest, and least
+    exact where faces differ from the mean.
+
+    Raises
+    ------
+    SettingError
+        A value is out of bounds.
     """
 
-    variant: str = "alternating"
-    start: str = "landmarks"
-    scales: tuple[int, ...] = (2, 1)
-    iterations: int = 15
-    tolerance: float = 0.03
-    shape_modes: int = 24
-    texture_modes: int = 40
-    prior: float = 10.0
-    shape_limit: float = 4.0
-    batch: int = 75
-    error_limit: float = 3.0
-    worse_limit: float = 1.1
-    distance_limit: float = 0.25
+    section = "fitting"
+    variant: str = setting(
+        "alternating",
+        "Inverse-compositional algorithm: texture solved for at every step (Wiberg), optimised together with the warp, "
+        "or projected out (fastest, least exact).",
+        choices=VARIANTS,
+    )
+    start: str = setting(
+        "landmarks",
+        "Where the fit of a frame starts: at the tracked landmarks, or at the fit of the previous frame (slower; at "
+        "the landmarks where that one diverged).",
+        choices=STARTS,
+    )
+    scales: tuple[int, ...] = setting(
+        (2, 1),
+        "Scales of the pyramid, fitted coarse to fine: how many texture pixels each way are averaged into one.",
+        item={"description": "Texture pixels each way that are averaged into one.", "minimum": 1, "maximum": 16},
+        min_items=1,
+        unique=True,
+    )
+    iterations: int = setting(15, "Maximum number of iterations at each scale.", minimum=1, maximum=10_000)
+    tolerance: float = setting(
+        0.03,
+        "A frame has converged at a scale once no point moves farther than this in an iteration, in texture pixels.",
+        minimum=0.00001,
+        maximum=100,
+    )
+    shape_modes: int = setting(
+        24, "Maximum number of shape components that are fitted, the leading ones.", minimum=0, maximum=10_000
+    )
+    texture_modes: int = setting(
+        40, "Maximum number of texture components that are fitted, the leading ones.", minimum=0, maximum=10_000
+    )
+    prior_weight: float = setting(
+        10.0,
+        "Weight of the Gaussian prior on the shape parameters, 1 being right for independent pixel noise (neighbouring "
+        "pixels are correlated, so it is larger); 0 for no prior.",
+        minimum=0,
+        maximum=1e12,
+    )
+    shape_limit: float = setting(
+        4.0,
+        "Shape parameters are clipped to this many standard deviations.",
+        minimum=0.01,
+        maximum=1000,
+    )
+    batch_size: int = setting(75, "Number of frames fitted at a time.", minimum=1, maximum=10_000)
+    max_error_ratio: float = setting(
+        3.0,
+        "A fit has diverged if its residual exceeds this multiple of the residual that the model leaves of training "
+        "faces.",
+        minimum=0.01,
+        maximum=1000,
+    )
+    max_error_growth: float = setting(
+        1.1,
+        "A fit has diverged if its residual exceeds this multiple of the residual at its start.",
+        minimum=0.01,
+        maximum=1000,
+    )
+    max_displacement: float = setting(
+        0.25,
+        "A fit has diverged if its points lie farther from the start than this on average, as a share of the face's "
+        "size (root mean square distance of the points from their centre).",
+        minimum=0.001,
+        maximum=100,
+    )
 
     def __post_init__(self) -> None:
+        super().__post_init__()
         object.__setattr__(self, "scales", tuple(sorted(self.scales, reverse=True)))
-        if self.variant not in VARIANTS:
-            raise SettingError(f"fitting variant {self.variant!r} is unknown; give one of {', '.join(VARIANTS)}.")
-        if self.start not in STARTS:
-            raise SettingError(f"fitting start {self.start!r} is unknown; give one of {', '.join(STARTS)}.")
-        whole = all(isinstance(scale, int) and 1 <= scale <= 16 for scale in self.scales)
-        if not (self.scales and whole and len(set(self.scales)) == len(self.scales)):
-            raise SettingError(
-                f"fitting scales are {list(self.scales)}; give different whole numbers up to 16, for instance [2, 1]."
-            )
-        for name, least in (("iterations", 1), ("shape_modes", 0), ("texture_modes", 0), ("batch", 1)):
-            value = getattr(self, name)
-            if not isinstance(value, int) or value < least:
-                raise SettingError(f"fitting {name} is {value!r}; give a whole number, {least} or more.")
-        for name in ("tolerance", "error_limit", "worse_limit", "shape_limit", "distance_limit"):
-            if not getattr(self, name) > 0:
-                raise SettingError(f"fitting {name} is {getattr(self, name)!r}; give a number above 0.")
-        if not self.prior >= 0:
-            raise SettingError(f"fitting prior is {self.prior!r}; give 0 or more.")
 
 
 @dataclass(frozen=True)

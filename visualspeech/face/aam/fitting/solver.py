@@ -77,7 +77,7 @@ def fit(
     expected = (len(frames), *model.shapes.mean.shape)
     if start.shape != expected or not np.isfinite(start).all():
         raise DataError(f"{len(frames)} frames are fitted from finite points {expected}, not {start.shape}")
-    size = model.settings.batch
+    size = model.settings.batch_size
     batches = [np.arange(first, min(first + size, len(frames))) for first in range(0, len(frames), size)]
     return joined(_fit_batch([frames[t] for t in one], start[one], one, model, view, offset) for one in batches)
 
@@ -190,9 +190,11 @@ def _step(left: np.ndarray, level: Level, model: FittingModel, shape: np.ndarray
         first, second = level.pairs
         hessian = ((along[:, first] * along[:, second]) @ level.hessians).reshape(-1, size, size)
     gradient, hessian = gradient.astype(np.float64), hessian.astype(np.float64)
-    if model.settings.prior:
+    if model.settings.prior_weight:
         # The noise is what the model leaves now: far from the face shapes are held tightly, on it hardly.
-        pull = model.settings.prior * _residual(left, explained)[:, None] ** 2 / np.square(model.shapes.deviations)
+        pull = (
+            model.settings.prior_weight * _residual(left, explained)[:, None] ** 2 / np.square(model.shapes.deviations)
+        )
         gradient[:, 4:] += pull * shape
         hessian = np.repeat(hessian, len(left) // len(hessian), axis=0)
         hessian[:, range(4, size), range(4, size)] += pull
@@ -253,6 +255,8 @@ def _diverged(points, start, error, start_error, model: FittingModel) -> np.ndar
     settings = model.settings
     spread = start - start.mean(axis=1, keepdims=True)
     size = np.sqrt(np.square(spread).sum(axis=2).mean(axis=1))
-    far = np.linalg.norm(points - start, axis=2).mean(axis=1) > settings.distance_limit * size
-    poor = (error > settings.error_limit * max(model.noise, 1.0)) | (error > settings.worse_limit * start_error)
+    far = np.linalg.norm(points - start, axis=2).mean(axis=1) > settings.max_displacement * size
+    poor = (error > settings.max_error_ratio * max(model.noise, 1.0)) | (
+        error > settings.max_error_growth * start_error
+    )
     return far | poor | ~np.isfinite(points).all(axis=(1, 2)) | ~np.isfinite(error)

@@ -67,7 +67,7 @@ def run(frames, landmarks, pose, light=0.0, **settings):
 @pytest.mark.parametrize("start", ["landmarks", "last_frame"])
 def test_faces_of_a_turning_head_are_found(start):
     frames, landmarks, pose, truth = scene()
-    found = run(frames, landmarks, pose, start=start, batch=5)
+    found = run(frames, landmarks, pose, start=start, batch_size=5)
     assert not found.diverged.any()
     assert np.linalg.norm(lower_face(landmarks) - truth, axis=2).mean() > 1.5
     assert np.linalg.norm(found.points - truth, axis=2).mean(axis=1).max() < 0.4

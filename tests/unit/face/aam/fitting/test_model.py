@@ -40,7 +40,7 @@ def dense(ready, level, texture):
 def test_steps_solve_the_plain_least_squares_problem(scale):
     generator = np.random.default_rng(8)
     for variant in ("alternating", "project_out", "simultaneous"):
-        ready = model(variant=variant, prior=0, scales=(scale,))
+        ready = model(variant=variant, prior_weight=0, scales=(scale,))
         level = ready.levels[0]
         left = generator.normal(0, 10, (3, level.mesh.size)).astype(np.float32)
         texture = generator.normal(0, 200, (3, len(level.components))).astype(np.float32)
@@ -57,7 +57,7 @@ def test_steps_solve_the_plain_least_squares_problem(scale):
 
 
 def test_the_prior_pulls_to_the_mean_shape():
-    ready = model(prior=1e9, scales=(1,))
+    ready = model(prior_weight=1e9, scales=(1,))
     level, shape = ready.levels[0], np.linspace(-3, 3, 6)[None]
     left = np.random.default_rng(0).normal(0, 5, (1, level.mesh.size)).astype(np.float32)
     change, _ = _step(left, level, ready, shape, None)
@@ -72,7 +72,14 @@ def test_unfitting_parts_are_refused():
 
 @pytest.mark.parametrize(
     "wrong",
-    [{"variant": "forward"}, {"scales": (1, 1)}, {"scales": ()}, {"iterations": 0}, {"tolerance": 0}, {"prior": -1}],
+    [
+        {"variant": "forward"},
+        {"scales": (1, 1)},
+        {"scales": ()},
+        {"iterations": 0},
+        {"tolerance": 0},
+        {"prior_weight": -1},
+    ],
 )
 def test_settings_out_of_range_are_refused(wrong):
     with pytest.raises(SettingError, match=next(iter(wrong))):

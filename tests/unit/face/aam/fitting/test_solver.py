@@ -36,7 +36,7 @@ def test_faces_are_found_again(variant, scales):
 def test_batches_do_not_change_the_result():
     frames, points = pictures(5)
     start = perturbed(points)
-    together, apart = (fit(frames, start, model(batch=size)) for size in (5, 2))
+    together, apart = (fit(frames, start, model(batch_size=size)) for size in (5, 2))
     np.testing.assert_allclose(together.points, apart.points, atol=0.02)
 
 
@@ -53,7 +53,7 @@ def test_a_frame_without_the_face_is_flagged_and_keeps_its_start():
 def test_a_grey_frame_does_not_stop_the_batch():
     frames, points = pictures(2)
     frames[1] = np.full_like(frames[1], 128)
-    found = fit(frames, perturbed(points), model(prior=0))
+    found = fit(frames, perturbed(points), model(prior_weight=0))
     assert found.diverged.tolist() == [False, True] and np.isfinite(found.points).all()
 
 

@@ -1,0 +1,219 @@
+"""Settings classes: bounds, defaults and descriptions, written once, agree in the dataclass and in the schema."""
+
+import subprocess
+import sys
+from dataclasses import asdict, dataclass, fields, replace
+
+import pytest
+
+from tests.paths import REPOSITORY
+from visualspeech.animation.rendering import RenderSettings
+from visualspeech.animation.speaking_settings import SpeakSettings
+from visualspeech.animation.video_settings import VideoSettings
+from visualspeech.animation.walk import WalkSettings
+from visualspeech.corpora.check_settings import CheckSettings
+from visualspeech.errors import SettingError, StorageError
+from visualspeech.evaluation.comparisons import ComparisonSettings
+from visualspeech.evaluation.statistics import BootstrapSettings
+from visualspeech.evaluation.tables import TableSettings
+from visualspeech.face.aam.fitting.model import FittingSettings
+from visualspeech.face.aam.model import AamSettings
+from visualspeech.face.aam.reference import ReferenceSettings
+from visualspeech.face.drift import DriftSettings
+from visualspeech.face.head import PoseSettings
+from visualspeech.face.screening import ScreeningSettings
+from visualspeech.face.tracker import LandmarkSettings
+from visualspeech.features.streams import FeatureSettings
+from visualspeech.fields import Settings, default_of, described_fields, restored, section_schema, setting, with_defaults
+from visualspeech.models.baselines import BaselineSettings
+from visualspeech.models.hmm.model import HmmSettings
+from visualspeech.schema import check
+from visualspeech.speech.alignment import AlignmentSettings
+from visualspeech.speech.spoken_settings import VoiceSettings
+
+CLASSES = [
+    AamSettings, AlignmentSettings, BaselineSettings, BootstrapSettings, CheckSettings, ComparisonSettings,
+    DriftSettings, FeatureSettings, FittingSettings, HmmSettings, LandmarkSettings, PoseSettings, ReferenceSettings,
+    RenderSettings, ScreeningSettings, SpeakSettings, TableSettings, VideoSettings, VoiceSettings, WalkSettings,
+]  # fmt: skip
+HEAVY = {"av", "torch", "cv2", "dlib", "pandas", "scipy", "matplotlib", "h5py", "pocketsphinx", "jsonschema"}
+BESIDE = {"minimum": -1, "above": 0, "maximum": 1, "below": 0}  # how far outside a bound a value is
+
+
+@dataclass(frozen=True)
+class Inner(Settings):
+    """What is inside."""
+
+    section = "outer.inner"
+    share: float = setting(0.5, "Share of something.", minimum=0, below=1)
+
+
+@dataclass(frozen=True)
+class Outer(Settings):
+    """What is outside.
+
+    More about it.
+    """
+
+    section = "outer"
+    inner: Inner = setting(Inner(), "What is inside.")
+    sizes: tuple[int, ...] = setting((2, 1), "Sizes.", item={"minimum": 1, "maximum": 9}, min_items=1, unique=True)
+    words: tuple[str, ...] = setting((), "Words.", item={"choices": ("yes", "no")})
+    name: str = setting("x", "Name.", min_length=1)
+    loud: bool = setting(False, "Whether it is loud.")
+    hidden_from_users: int = 3
+
+
+def accepted_by_schema(cls, name, value) -> bool:
+    try:
+        check({name: value}, section_schema(cls))
+    except SettingError:
+        return False
+    return True
+
+
+def accepted_by_class(cls, name, value) -> bool:
+    try:
+        cls(**{name: value})
+    except SettingError as error:
+        assert str(error).startswith(f"`{cls.section}.{name}: ") and str(error).endswith(".")
+        return False
+    return True
+
+
+def wrong_values(kind, metadata):
+    """Values on the wrong side of every rule of a field."""
+    if kind in (int, float):
+        yield from (True, "3", None, float("inf"), float("nan"))
+    if kind is int:
+        yield 2.5
+    if kind is bool:
+        yield from (1, "yes", None)
+    if kind is str:
+        yield from (1, None, False)
+    if metadata["choices"]:
+        yield "no such choice"
+    if metadata.get("min_length"):
+        yield ""
+    for bound, step in BESIDE.items():
+        if bound in metadata:
+            yield metadata[bound] + step
+
+
+@pytest.mark.parametrize("cls", [*CLASSES, Outer, Inner])
+def test_defaults_satisfy_the_schema(cls):
+    plain = with_defaults(cls, {})
+    if cls is Outer:
+        del plain["hidden_from_users"]
+    check(plain, section_schema(cls))
+    assert with_defaults(cls, plain) == with_defaults(cls, {})
+
+
+@pytest.mark.parametrize("cls", CLASSES)
+def test_every_field_is_described_and_every_number_bounded(cls):
+    assert {name for name, *_ in described_fields(cls)} == {one.name for one in fields(cls)}
+    assert cls.section
+    for name, kind, metadata in described_fields(cls):
+        description = metadata["description"]
+        assert description.endswith(".") and description[0] in "ABCDEFGHIJKLMNOPQRSTUVWXYZ3", name
+        if kind in (int, float):
+            assert {"minimum", "above"} & set(metadata) and {"maximum", "below"} & set(metadata), name
+
+
+@pytest.mark.parametrize("cls", [*CLASSES, Outer, Inner])
+def test_class_and_schema_refuse_the_same(cls):
+    for name, kind, metadata in described_fields(cls):
+        for value in wrong_values(kind, metadata):
+            assert not accepted_by_class(cls, name, value), (name, value)
+            assert not accepted_by_schema(cls, name, value), (name, value)
+        for bound in set(metadata) & {"minimum", "maximum"}:
+            assert accepted_by_schema(cls, name, metadata[bound]), name
+            if cls is not AamSettings:  # two images are not enough for the components asked for
+                assert accepted_by_class(cls, name, metadata[bound]), name
+
+
+@pytest.mark.parametrize("cls", CLASSES)
+def test_unknown_keys_are_refused(cls):
+    with pytest.raises(SettingError, match="unknown setting `colour_of_hair`"):
+        check({"colour_of_hair": 1}, section_schema(cls))
+    with pytest.raises(SettingError, match=rf"unknown setting `{cls.section}.colour_of_hair`. Known here: "):
+        with_defaults(cls, {"colour_of_hair": 1})
+
+
+@pytest.mark.parametrize(
+    "wrong",
+    [
+        {}, {"share": 1}, {"energy": 1}, {"energy": 0}, {"components": 0}, {"components": 2.0}, {"components": 100_001},
+        {"energy": 0.9, "components": 3}, {"at_most": 3}, {"energy": 0.9, "at_most": 0},
+        {"components": 3, "at_most": 9},
+    ],
+)  # fmt: skip
+def test_components_of_an_analysis(wrong):
+    assert not accepted_by_schema(AamSettings, "texture", wrong)
+    with pytest.raises(SettingError, match="aam.texture"):
+        AamSettings(texture=wrong)
+
+
+@pytest.mark.parametrize(
+    ("name", "wrong"),
+    [
+        ("sizes", []), ("sizes", [1, 1]), ("sizes", [0]), ("sizes", [10]), ("sizes", ["1"]), ("sizes", 3),
+        ("words", ["maybe"]), ("words", "yes"), ("name", ""), ("inner", {"share": 1}), ("inner", 3),
+    ],
+)  # fmt: skip
+def test_lists_and_nested_sections(name, wrong):
+    assert not accepted_by_schema(Outer, name, wrong)
+    with pytest.raises(SettingError, match=r"`outer\."):
+        Outer(**{name: wrong})
+
+
+def test_plain_data_builds_nested_settings():
+    built = Outer(inner={"share": 0.25}, sizes=[4])
+    assert built.inner == Inner(0.25) and built.sizes == (4,)
+    assert with_defaults(Outer, {"inner": {}}, hidden=["loud", "hidden_from_users"]) == {
+        "inner": {"share": 0.5}, "sizes": [2, 1], "words": [], "name": "x",
+    }  # fmt: skip
+    with pytest.raises(SettingError, match=r"unknown setting `outer.inner.shar`"):
+        Outer(inner={"shar": 1})
+
+
+def test_a_message_says_value_rule_and_description():
+    with pytest.raises(SettingError) as raised:
+        Inner(1.0)
+    assert str(raised.value) == "`outer.inner.share: 1.0` must be at least 0 and below 1. Share of something."
+    with pytest.raises(SettingError, match="must be a finite number, at least 0 and below 1. Share of something."):
+        Inner("0.5")
+
+
+def test_a_schema_has_the_first_line_the_defaults_and_no_hidden_field():
+    schema = section_schema(Outer, hidden=["loud"])
+    assert schema["description"] == "What is outside."
+    assert set(schema["properties"]) == {"inner", "sizes", "words", "name"}
+    assert schema["properties"]["sizes"]["default"] == [2, 1]
+    assert section_schema(Outer, "Another.")["description"] == "Another."
+
+
+def test_a_default_is_never_shared():
+    one = AamSettings()
+    one.shape["energy"] = 0.5
+    assert AamSettings().shape == {"energy": 0.99}
+    assert all(default_of(field) is not None for field in fields(AamSettings))
+
+
+def test_settings_of_another_version_are_refused():
+    stored = asdict(replace(PoseSettings(), focal_length=2.0))
+    assert restored(PoseSettings, stored, "head.safetensors").focal_length == 2.0
+    with pytest.raises(StorageError, match="head.safetensors was written by another version .*`pose.focal`"):
+        restored(PoseSettings, {"focal": 3.0}, "head.safetensors")
+
+
+def test_unknown_bounds_are_mistakes_of_the_code():
+    with pytest.raises(TypeError, match="minimun"):
+        setting(1, "A number.", minimun=0)
+
+
+def test_settings_are_imported_without_heavy_libraries():
+    modules = ", ".join(sorted({cls.__module__ for cls in CLASSES}))
+    code = f"import sys, {modules}; print(*({HEAVY!r} & set(sys.modules)))"
+    done = subprocess.run([sys.executable, "-c", code], cwd=REPOSITORY, capture_output=True, text=True, check=True)
+    assert done.stdout.split() == []
