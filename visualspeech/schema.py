@@ -118,7 +118,7 @@ def _filled(given, schema: Mapping, root: Mapping):
         if key in filled:
             continue
         if "default" in inner:
-            filled[key] = deepcopy(inner["default"])
+            filled[key] = _filled(inner["default"], inner, root)
         elif value := _filled({}, inner, root):
             filled[key] = value
     if _is_section(schema) and schema.get("defaults", True):
