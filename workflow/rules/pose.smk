@@ -3,6 +3,13 @@ def heads_of(wildcards):
     return filled("<corpus>/heads/{speaker}.safetensors", wildcards, speaker=list(PLAN.corpora[wildcards.corpus].speakers))
 
 
+def findings_of(wildcards):
+    """Findings of the check and of every shard's alignment and tracking."""
+    stages = ("<corpus>/alignment/{shard}.findings.tsv", "<corpus>/landmarks/{shard}.findings.tsv")
+    checked = filled("<corpus>/check/findings.tsv", wildcards)
+    return [*checked, *(path for pattern in stages for path in shards(pattern)(wildcards))]
+
+
 rule fit_head:
     input:
         utterances=shards("<corpus>/corpus/utterances/{shard}.tsv"),
@@ -55,9 +62,7 @@ rule accept_utterances:
         heads=heads_of,
         landmarks=shards("<corpus>/landmarks/{shard}.h5"),
         pose=shards("<corpus>/pose/{shard}.h5"),
-        checked="<corpus>/check/findings.tsv",
-        aligned=shards("<corpus>/alignment/{shard}.findings.tsv"),
-        tracked=shards("<corpus>/landmarks/{shard}.findings.tsv"),
+        findings=findings_of,
     output:
         accepted="<corpus>/utterances.tsv",
         findings="<corpus>/findings.tsv",
