@@ -46,7 +46,7 @@ def recordings(count: int):
     for path in sorted((grid_root() / "s1").glob("*.mpg")):
         frames = list(read_frames(path))
         try:
-            tracked = track(frames)
+            tracked = track(frames, rate=25.0)
         except RejectedUtterance:
             continue
         if tracked.detected.all():

@@ -37,7 +37,7 @@ def main() -> None:
             sample_texture(draw(points, size=(width, height)), lower_face(points), texture_grid) for points in targets
         ]
         start = time.process_time()
-        stream = talking_head((frame for _ in range(count)), placement, textures, texture_grid)
+        stream = talking_head((frame for _ in range(count)), placement, textures, texture_grid, rate=25.0)
         rendered = sum(1 for _ in side_by_side([Panel("prediction", stream)]))
         spent = time.process_time() - start
         print(f"{width} x {height}: {rendered / spent:.0f} frames/s a panel, {1000 * spent / rendered:.1f} ms a frame")

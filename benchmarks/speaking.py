@@ -140,7 +140,7 @@ def main() -> None:
     quiet = quiet[
         np.minimum((frame_times(len(frames), background.rate) * bundle.network.rate).astype(int), len(quiet) - 1)
     ]
-    tracked = opening(track(iter(frames)).points)
+    tracked = opening(track(iter(frames), rate=background.rate).points)
     lips = to_points(bundle.speaker.aam.decode(bundle.rest[None])[0])[0, INNER_LIPS]
     eyes = bundle.speaker.head.mean_points[[36, 45]]
     rest = 100 * np.linalg.norm(lips[6] - lips[2]) / np.linalg.norm(eyes[1] - eyes[0])

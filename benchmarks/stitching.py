@@ -45,11 +45,11 @@ def around_jaw(placement, shape) -> np.ndarray:
     return ring > 0
 
 
-def measure(utterance, recording, appearance, speaker) -> list[float]:
+def measure(utterance, recording, appearance, speaker, rate) -> list[float]:
     recorded = list(read_frames(utterance.media, utterance.start, utterance.end))
-    rendered = list(synthetic_frames(recorded, appearance, recording, speaker))
+    rendered = list(synthetic_frames(recorded, appearance, recording, speaker, rate=rate))
     shape = speaker.aam.decode(appearance)[0] + (recording.drift.shape - speaker.aam.drift.shape)
-    placement = place(recording.landmarks, shape, recording.pose, speaker.head)
+    placement = place(recording.landmarks, shape, recording.pose, speaker.head, rate=rate)
     opacity = prepare(speaker.reference).opacity[tuple(speaker.reference.pixels.T)]
     seam = np.tile((opacity > 0.02) & (opacity < 0.98), 3)
     ring = around_jaw(placement, recorded[0].shape[:2])
@@ -58,7 +58,7 @@ def measure(utterance, recording, appearance, speaker) -> list[float]:
         for pair in ((recorded, placement.recorded), (rendered, placement.target))
     )
     outside, moved = (np.stack([frame[ring] for frame in frames]) for frames in (recorded, rendered))
-    seen = to_frontal(track(iter(rendered)).points.astype(float), recording.pose, speaker.head)[:, TRACKED]
+    seen = to_frontal(track(iter(rendered), rate=rate).points.astype(float), recording.pose, speaker.head)[:, TRACKED]
     target = to_points(shape)
     opening, wanted = (points[:, LOWER, 1] - points[:, UPPER, 1] for points in (seen, target))
     away = seen[:, LIPS].mean(1) - target[:, LIPS].mean(1)
@@ -93,7 +93,7 @@ def main() -> None:
             appearance = parameters.array(source, "appearance")
             if name == "other mouth":
                 appearance = appearance[np.minimum(np.arange(len(pose)), len(appearance) - 1)]
-            results[name].append(measure(one, recording, appearance, speaker))
+            results[name].append(measure(one, recording, appearance, speaker, landmarks.rate(one.id)))
     for name, rows in results.items():
         values = np.mean(rows, axis=0)
         print(

@@ -217,3 +217,17 @@ def test_settings_are_imported_without_heavy_libraries():
     code = f"import sys, {modules}; print(*({HEAVY!r} & set(sys.modules)))"
     done = subprocess.run([sys.executable, "-c", code], cwd=REPOSITORY, capture_output=True, text=True, check=True)
     assert done.stdout.split() == []
+
+
+@pytest.mark.parametrize(
+    ("seconds", "frames"),
+    [
+        (PoseSettings().rotation_smoothing, 2.0), (PoseSettings().translation_smoothing, 0.5),
+        (LandmarkSettings().smoothing, 0.4), (RenderSettings().point_smoothing, 1.0),
+        (RenderSettings().colour_smoothing, 2.0), (WalkSettings().crossfade, 6.0),
+        (LandmarkSettings().detection_interval, 25.0), (DriftSettings().min_silent_seconds, 5.0),
+    ],
+)  # fmt: skip
+def test_times_are_exact_numbers_of_frames_at_25_hz(seconds, frames):
+    """Figures measured at 25 Hz were measured with these numbers of frames, to the last bit."""
+    assert seconds * 25.0 == frames

@@ -63,17 +63,17 @@ class RenderSettings(Settings):
         maximum=2,
     )
     point_smoothing: float = setting(
-        1.0,
-        "Standard deviation, in frames, of the Gaussian that smooths the recorded points and the target's jaw and "
+        0.04,
+        "Standard deviation, in seconds, of the Gaussian that smooths the recorded points and the target's jaw and "
         "cheeks (not its lips) over time; 0 for none.",
         minimum=0,
-        maximum=1000,
+        maximum=10,
     )
     colour_smoothing: float = setting(
-        2.0,
-        "Standard deviation, in frames, of the Gaussian that smooths the colour offset over time; 0 for none.",
+        0.08,
+        "Standard deviation, in seconds, of the Gaussian that smooths the colour offset over time; 0 for none.",
         minimum=0,
-        maximum=1000,
+        maximum=10,
     )
     max_colour_offset: float = setting(
         60.0, "Maximum colour offset between texture and recording, in grey levels.", minimum=0, maximum=255
@@ -98,7 +98,13 @@ class Placement:
 
 
 def place(
-    landmarks: np.ndarray, shape: np.ndarray, pose: Pose, head: HeadModel, settings: RenderSettings | None = None
+    landmarks: np.ndarray,
+    shape: np.ndarray,
+    pose: Pose,
+    head: HeadModel,
+    settings: RenderSettings | None = None,
+    *,
+    rate: float,
 ) -> Placement:
     """Put frontal target shapes back onto the recorded head.
 
@@ -108,6 +114,7 @@ def place(
     shape : (T, 102) target shape vectors (Fan 2015, Eq. 1) in pixels of the normalised face, with the drift of the
         utterance put back
     pose : of these T frames
+    rate : frame rate in Hz
 
     Raises
     ------
@@ -120,10 +127,10 @@ def place(
     depth = (SELECTION @ head.points3d)[:, 2]
     # Smoothed in the normalised face, where the head's own movement is not smoothed with it.
     frontal = to_frontal(lower_face(np.asarray(landmarks, np.float64)), pose, head, depth)
-    recorded = smooth(frontal, settings.point_smoothing)
+    recorded = smooth(frontal, settings.point_smoothing * rate)
     wanted = to_points(np.asarray(shape, np.float64))
     # The lips keep the target's own time course: they close for a frame or two only.
-    wanted[:, _AROUND] = smooth(wanted[:, _AROUND], settings.point_smoothing)
+    wanted[:, _AROUND] = smooth(wanted[:, _AROUND], settings.point_smoothing * rate)
     target = recorded + FOLLOWS[:, None] * (wanted - recorded)
     return Placement(to_image(recorded, pose, head, depth), to_image(target, pose, head, depth))
 
@@ -245,6 +252,8 @@ def talking_head(
     textures: Iterable[np.ndarray],
     reference: Reference,
     settings: RenderSettings | None = None,
+    *,
+    rate: float,
 ) -> Iterator[np.ndarray]:
     """The frames of an utterance with synthetic lower faces, one at a time.
 
@@ -255,6 +264,7 @@ def talking_head(
     frames : T recorded frames, (height, width, 3) uint8 RGB
     placement : of these T frames
     textures : T target textures (3U,) in grey levels, with the drift of the utterance put back
+    rate : frame rate in Hz
 
     Raises
     ------
@@ -262,13 +272,15 @@ def talking_head(
         There are not as many frames or textures as places.
     """
     places = zip(placement.recorded, placement.target, strict=True)
-    yield from stitched(_paired(frames, places, textures, len(placement)), reference, settings)
+    yield from stitched(_paired(frames, places, textures, len(placement)), reference, settings, rate=rate)
 
 
 def stitched(
     parts: Iterable[tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]],
     reference: Reference,
     settings: RenderSettings | None = None,
+    *,
+    rate: float,
 ) -> Iterator[np.ndarray]:
     """Frames with synthetic lower faces, one at a time, of a stream whose length need not be known.
 
@@ -276,9 +288,10 @@ def stitched(
     ----------
     parts : of each frame the recorded picture, where its lower face (51, 2) is and where it is to be, and the texture
         (3U,); see :func:`stitch`
+    rate : frame rate in Hz
     """
     stitching = prepare(reference, settings)
-    deviation = stitching.settings.colour_smoothing
+    deviation = stitching.settings.colour_smoothing * rate
     ahead = int(np.ceil(2.5 * deviation))
     limit = stitching.settings.max_colour_offset
     waiting: deque = deque()

@@ -81,6 +81,8 @@ def synthetic_frames(
     recording: Recording,
     speaker: Speaker,
     settings: RenderSettings | None = None,
+    *,
+    rate: float,
 ) -> Iterator[np.ndarray]:
     """Recorded frames whose lower face is decoded from appearance parameters, one frame at a time.
 
@@ -88,6 +90,7 @@ def synthetic_frames(
     ----------
     frames : the T frames of the recording
     appearance : (T, N) v at the recording's frame rate
+    rate : that frame rate in Hz
 
     Raises
     ------
@@ -97,8 +100,9 @@ def synthetic_frames(
     appearance = np.asarray(appearance, np.float32)
     shape = speaker.aam.shape_mean + appearance @ speaker.aam.shape_basis
     shape = shape + (recording.drift.shape - speaker.aam.drift.shape)
-    placement = place(recording.landmarks, shape, recording.pose, speaker.head, settings)
-    return talking_head(frames, placement, _textures(appearance, recording, speaker.aam), speaker.reference, settings)
+    placement = place(recording.landmarks, shape, recording.pose, speaker.head, settings, rate=rate)
+    textures = _textures(appearance, recording, speaker.aam)
+    return talking_head(frames, placement, textures, speaker.reference, settings, rate=rate)
 
 
 def _textures(appearance: np.ndarray, recording: Recording, aam: Aam) -> Iterator[np.ndarray]:
@@ -213,6 +217,6 @@ def write_panels(
     panels = [Panel("original", sources.pop(0), synthetic=False)] if original else []
     for source, (title, (values, values_rate)) in zip(sources, appearances.items(), strict=True):
         values = resample(values, values_rate, rate, length)
-        panels.append(Panel(title, synthetic_frames(source, values, recording, speaker, settings.rendering)))
+        panels.append(Panel(title, synthetic_frames(source, values, recording, speaker, settings.rendering, rate=rate)))
     sound = read_audio(utterance.media, AUDIO_RATE, utterance.start, utterance.end)
     write_video(path, side_by_side(panels, settings.label), rate, sound, AUDIO_RATE, metadata)

@@ -46,11 +46,12 @@ def _models():
 class DlibTracker:
     """Follows the face of one recording; see :class:`visualspeech.face.tracker.Tracker`."""
 
-    def __init__(self, settings: LandmarkSettings) -> None:
+    def __init__(self, settings: LandmarkSettings, rate: float) -> None:
         import cv2
 
         self._cv = cv2
         self._settings = settings
+        self._search_every = max(round(settings.detection_interval * rate), 1)  # frames
         self._detector, self._predictor = _models()
         self._box = None  # centre x, centre y, side, roll (radians)
         self._confirmed = None  # small picture of the face that was confirmed last
@@ -63,7 +64,7 @@ class DlibTracker:
     def next(self, frame: np.ndarray) -> np.ndarray | None:
         grey = self._cv.cvtColor(frame, self._cv.COLOR_RGB2GRAY)
         self._frame += 1
-        known = self._box is not None and self._frame % self._settings.search_every != 1
+        known = self._box is not None and not self._due()
         crop = self._face(grey) if known else None
         if not known or not (self._alike(crop) or self._confirm(grey)):
             found = self._search(grey)
@@ -84,6 +85,10 @@ class DlibTracker:
         points = points / max(self._settings.num_jitters, 1)
         self._box = self._box + FOLLOW * (box_of(points) - self._box)
         return points
+
+    def _due(self) -> bool:
+        """Whether the face is to be detected on the whole of this frame."""
+        return (self._frame - 1) % self._search_every == 0
 
     def _face(self, grey: np.ndarray, box: np.ndarray | None = None) -> tuple[np.ndarray, np.ndarray]:
         """The crop from which points are predicted, and the map into it."""
@@ -135,7 +140,7 @@ class DlibTracker:
         rectangles, scores, _ = self._detector.run(picture, 0, 0.0)
         # The detector's faces are at least 80 pixels wide; as long as none is known, half as wide ones are looked for
         # now and then, which takes four times as long.
-        if not rectangles and self._box is None and self._frame % self._settings.search_every == 1:
+        if not rectangles and self._box is None and self._due():
             rectangles, scores, _ = self._detector.run(picture, 1, 0.0)
         if not rectangles:
             return None

@@ -45,11 +45,11 @@ class DriftSettings(Settings):
         "Reference face of an utterance: its mean face, the mean of its silent frames, or none (drift is kept).",
         choices=METHODS,
     )
-    min_silent_frames: int = setting(
-        5,
-        "Method `silence`: an utterance with fewer silent frames than this falls back to its clip mean.",
-        minimum=1,
-        maximum=100_000,
+    min_silent_seconds: float = setting(
+        0.2,
+        "Method `silence`: an utterance with less silence than this, in seconds, falls back to its clip mean.",
+        minimum=0,
+        maximum=3600,
     )
 
 
@@ -61,7 +61,12 @@ class FaceReference(NamedTuple):
 
 
 def reference_of(
-    shape: np.ndarray, texture: np.ndarray, silent: np.ndarray | None = None, settings: DriftSettings | None = None
+    shape: np.ndarray,
+    texture: np.ndarray,
+    silent: np.ndarray | None = None,
+    settings: DriftSettings | None = None,
+    *,
+    rate: float,
 ) -> FaceReference:
     """The reference face of one utterance.
 
@@ -70,6 +75,7 @@ def reference_of(
     shape : (T, 102) shape vectors in pixels of the normalised face
     texture : (T, 3U) textures in grey levels, any number type
     silent : (T,) bool, the frames in which nobody speaks; only ``silence`` needs it
+    rate : frame rate in Hz
 
     Raises
     ------
@@ -87,7 +93,7 @@ def reference_of(
             raise DataError(
                 f"the silent frames ({None if silent is None else len(silent)}) do not fit {len(shape)} shapes"
             )
-        if np.count_nonzero(silent) >= settings.min_silent_frames:
+        if np.count_nonzero(silent) >= max(settings.min_silent_seconds * rate, 1):
             chosen = np.asarray(silent, bool)
     return FaceReference(
         shape[chosen].mean(axis=0, dtype=np.float64).astype(np.float32),

@@ -55,18 +55,18 @@ class PoseSettings(Settings):
         maximum=10,
     )
     rotation_smoothing: float = setting(
-        2.0,
-        "Standard deviation, in frames, of the Gaussian that smooths the head's rotation and distance over time; 0 "
+        0.08,
+        "Standard deviation, in seconds, of the Gaussian that smooths the head's rotation and distance over time; 0 "
         "for none.",
         minimum=0,
-        maximum=1000,
+        maximum=10,
     )
     translation_smoothing: float = setting(
-        0.5,
-        "Standard deviation, in frames, of the Gaussian that smooths the head's position in the image over time; 0 "
+        0.02,
+        "Standard deviation, in seconds, of the Gaussian that smooths the head's position in the image over time; 0 "
         "for none.",
         minimum=0,
-        maximum=1000,
+        maximum=10,
     )
     margin: float = setting(
         0.25,

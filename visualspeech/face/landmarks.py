@@ -37,14 +37,14 @@ class Landmarks:
     findings: tuple[str, ...] = ()
 
 
-def track(frames: Iterable[np.ndarray], settings: LandmarkSettings | None = None, rate: float = 25.0) -> Landmarks:
+def track(frames: Iterable[np.ndarray], settings: LandmarkSettings | None = None, *, rate: float) -> Landmarks:
     """Follow the face through a recording. Frames are taken one at a time, so memory does not grow with their size.
 
     Parameters
     ----------
     frames : RGB frames (height, width, 3) uint8, all of one size
     settings : how
-    rate : frame rate in Hz, for the length of gaps
+    rate : frame rate in Hz
 
     Raises
     ------
@@ -52,7 +52,7 @@ def track(frames: Iterable[np.ndarray], settings: LandmarkSettings | None = None
         There are no frames, their size changes, there is no face, or it is missing in too many frames.
     """
     settings = settings or LandmarkSettings()
-    tracker = TRACKERS[settings.tracker](settings)
+    tracker = TRACKERS[settings.tracker](settings, rate)
     found, size = [], None
     for frame in frames:
         if size is not None and frame.shape[:2] != size:
@@ -70,7 +70,7 @@ def track(frames: Iterable[np.ndarray], settings: LandmarkSettings | None = None
     if not detected.all():
         findings.append(f"no face in {(~detected).sum()} of {len(detected)} frames; their points are interpolated")
     return Landmarks(
-        points=smooth(points, settings.smoothing).astype(np.float32),
+        points=smooth(points, settings.smoothing * rate).astype(np.float32),
         detected=detected,
         width=size[1],
         height=size[0],
@@ -113,7 +113,7 @@ def fill_gaps(points: np.ndarray, detected: np.ndarray) -> np.ndarray:
 
 
 def smooth(points: np.ndarray, deviation: float) -> np.ndarray:
-    """Points (T, n, 2) after a Gaussian of ``deviation`` frames along time (0: unchanged), ends mirrored."""
+    """Points (T, n, 2) after a Gaussian of ``deviation`` frames along time (0: unchanged), the ends held."""
     if deviation <= 0:
         return points
     from scipy.ndimage import gaussian_filter1d

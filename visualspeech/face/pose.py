@@ -52,7 +52,7 @@ class Pose:
         return Pose(self.rotation[frames], self.translation[frames])
 
 
-def estimate(points: np.ndarray, head: HeadModel, settings: PoseSettings | None = None) -> Pose:
+def estimate(points: np.ndarray, head: HeadModel, settings: PoseSettings | None = None, *, rate: float) -> Pose:
     """The head's pose in every frame of one utterance.
 
     Rotation and distance come from all rigid points and are smoothed most, for their noise is largest and heads turn
@@ -62,6 +62,7 @@ def estimate(points: np.ndarray, head: HeadModel, settings: PoseSettings | None 
     ----------
     points : (T, 68, 2) landmarks in image pixels
     settings : the smoothing; by default that with which the head was fitted
+    rate : frame rate in Hz
     """
     settings = settings or head.settings
     if points.ndim != 3 or points.shape[1] <= head.rigid.max():
@@ -69,14 +70,14 @@ def estimate(points: np.ndarray, head: HeadModel, settings: PoseSettings | None 
     seen = np.asarray(points, float)[:, head.rigid]
     model = head.points3d[head.rigid]
     rotation, translation = solve_pose(seen, model, head.focal, head.centre, head.weights)
-    rotation = smooth(rotation, settings.rotation_smoothing)
+    rotation = smooth(rotation, settings.rotation_smoothing * rate)
     # Distance is smoothed as its logarithm, which is scale: halves and doubles are alike.
     origin = model.mean(0)
     turned = (rotation_matrices(rotation) @ origin)[:, 2]
-    depth = np.exp(smooth(np.log(translation[:, 2] + turned), settings.rotation_smoothing)) - turned
+    depth = np.exp(smooth(np.log(translation[:, 2] + turned), settings.rotation_smoothing * rate)) - turned
     translation = solve_translation(seen, model, rotation, depth, head.focal, head.centre, head.weights)
     middle = rotation_matrices(rotation) @ origin + translation
-    beside = smooth(middle[:, :2] / middle[:, 2:], settings.translation_smoothing)
+    beside = smooth(middle[:, :2] / middle[:, 2:], settings.translation_smoothing * rate)
     shift = beside * middle[:, 2:] - middle[:, :2]
     return Pose(rotation, translation + np.column_stack([shift, np.zeros(len(shift))]))
 

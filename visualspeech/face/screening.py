@@ -37,8 +37,8 @@ class ScreeningSettings(Settings):
         minimum=0,
         maximum=128,
     )
-    max_blank_frames: int = setting(
-        0, "An utterance with more blank frames than this is rejected.", minimum=0, maximum=100_000
+    max_blank_seconds: float = setting(
+        0.0, "An utterance with more blank frames than this, in seconds, is rejected.", minimum=0, maximum=3600
     )
     max_frozen_seconds: float = setting(
         0.4,
@@ -135,7 +135,7 @@ def track_screened(
     settings = settings or ScreeningSettings()
     watch = FrameWatch()
     try:
-        landmarks = track(watch.through(_in_runs(frames)), landmark_settings, rate)
+        landmarks = track(watch.through(_in_runs(frames)), landmark_settings, rate=rate)
     except RejectedUtterance:
         check_pictures(watch.measures(), rate, settings)
         raise
@@ -161,7 +161,7 @@ def check_pictures(measures: PictureMeasures, rate: float, settings: ScreeningSe
     """
     settings = settings or ScreeningSettings()
     flat = int((measures.deviation < settings.min_contrast).sum())
-    if flat > settings.max_blank_frames:
+    if flat / rate > settings.max_blank_seconds:
         raise RejectedUtterance(f"{flat} frames show nothing but one colour", REMEDY)
     frozen = longest_run(measures.change[1:] < 1e-3) / rate
     if frozen > settings.max_frozen_seconds:

@@ -34,6 +34,6 @@ with (
         if found.diverged.any():
             log.info("%s: %d of %d frames diverged", one.id, found.diverged.sum(), len(found.diverged))
         silent = silent_frames(alignments[one.id], len(found.shape), pose.rate(one.id))
-        face = reference_of(found.shape, found.texture, silent, drift)
+        face = reference_of(found.shape, found.texture, silent, drift, rate=pose.rate(one.id))
         arrays = {**vars(found), "reference_shape": face.shape, "reference_texture": face.texture}
         out.add(one.id, arrays, pose.rate(one.id), UNITS)

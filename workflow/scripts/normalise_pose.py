@@ -15,6 +15,6 @@ with (
     settings = PoseSettings(**snakemake.params.settings)
     for one in progress(landmarks.ids, len(landmarks.ids), "utterances"):
         points = landmarks.array(one, "points")
-        pose = estimate(points, head, settings)
+        pose = estimate(points, head, settings, rate=landmarks.rate(one))
         arrays = {"rotation": pose.rotation, "translation": pose.translation, "points": to_frontal(points, pose, head)}
         out.add(one, arrays, landmarks.rate(one), UNITS)

@@ -25,6 +25,7 @@ with (
         points, rate = lower_face(landmarks.array(one.id, "points")), pose.rate(one.id)
         texture = sample_textures(read_frames(one.media, one.start, one.end), points, reference)
         shape = to_vector(lower_face(pose.array(one.id, "points")))
-        face = reference_of(shape, texture, silent_frames(alignments[one.id], len(shape), rate), settings)
+        silent = silent_frames(alignments[one.id], len(shape), rate)
+        face = reference_of(shape, texture, silent, settings, rate=rate)
         arrays = {"shape": shape, "texture": texture, "reference_shape": face.shape, "reference_texture": face.texture}
         out.add(one.id, arrays, rate, UNITS)

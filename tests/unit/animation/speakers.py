@@ -31,7 +31,7 @@ def make(folder: Path, phones=PHONES, rate: float = 25.0, seed: int = 4) -> Path
     points = heads.record(sum(LENGTHS), seed=seed, mouth=5).points
     recordings = np.split(points, [LENGTHS[0]])
     head = fit_head(points, heads.SIZE)
-    frontal = lower_face(to_frontal(points, estimate(points, head), head))
+    frontal = lower_face(to_frontal(points, estimate(points, head, rate=rate), head))
     reference = fit_reference([frontal], ReferenceSettings(texture_pixels=1200))
     textures = sample_textures((draw(one) for one in points), lower_face(points), reference)
     components = {"components": 6}
@@ -49,7 +49,7 @@ def make(folder: Path, phones=PHONES, rate: float = 25.0, seed: int = 4) -> Path
     write_background(
         folder / FILES["background"],
         (
-            (f"r{i}", f"r{i}.mp4", (draw(p) for p in one), one, estimate(one, head), zero, rate)
+            (f"r{i}", f"r{i}.mp4", (draw(p) for p in one), one, estimate(one, head, rate=rate), zero, rate)
             for i, one in enumerate(recordings)
         ),
     )

@@ -34,7 +34,7 @@ def spoken(tmp_path_factory):
     path = tmp_path_factory.mktemp("recordings") / "a.mp4"
     write_video(path, (draw(points) for points in made.points), 25.0, hum(0.8, 48000), 48000)
     head = fit_head(made.points, heads.SIZE)
-    pose = estimate(made.points, head)
+    pose = estimate(made.points, head, rate=25.0)
     shapes = to_vector(lower_face(to_frontal(made.points, pose, head)))
     reference = fit_reference([lower_face(to_frontal(made.points, pose, head))], ReferenceSettings(texture_pixels=2000))
     textures = sample_textures(read_frames(path), lower_face(made.points), reference)
@@ -50,7 +50,7 @@ def spoken(tmp_path_factory):
 def test_reconstruction_looks_like_the_recording(spoken):
     utterance, recording, speaker, v = spoken
     recorded = list(read_frames(utterance.media))
-    rendered = list(synthetic_frames(iter(recorded), v, recording, speaker))
+    rendered = list(synthetic_frames(iter(recorded), v, recording, speaker, rate=25.0))
     assert len(rendered) == len(recorded)
     for a, b in zip(recorded, rendered, strict=True):
         assert np.abs(a.astype(int) - b).mean() < 1.0
@@ -59,11 +59,11 @@ def test_reconstruction_looks_like_the_recording(spoken):
 def test_the_drift_of_the_utterance_is_put_back(spoken):
     utterance, recording, speaker, v = spoken
     recorded = list(read_frames(utterance.media))
-    plain = list(synthetic_frames(iter(recorded), v, recording, speaker))
+    plain = list(synthetic_frames(iter(recorded), v, recording, speaker, rate=25.0))
     up = np.zeros(102, np.float32)
     up[51 + 26 : 51 + 46] = 6  # the lips of this utterance lie 6 pixels lower
     seat = Recording(recording.landmarks, recording.pose, FaceReference(up, recording.drift.texture))
-    moved = list(synthetic_frames(iter(recorded), v, seat, speaker))
+    moved = list(synthetic_frames(iter(recorded), v, seat, speaker, rate=25.0))
 
     def height_of_mouth(picture):
         return 140 + np.nonzero(picture[140:].max(axis=2) < 100)[0].mean()  # below the eyes only its inside is dark

@@ -97,7 +97,7 @@ def test_one_odd_utterance_stands_out_of_the_corpus():
 
 def test_what_the_pictures_lack_is_named_before_the_missing_face(monkeypatch):
     class Blind:
-        def __init__(self, settings):
+        def __init__(self, settings, rate):
             pass
 
         def next(self, frame):
@@ -113,3 +113,13 @@ def test_what_the_pictures_lack_is_named_before_the_missing_face(monkeypatch):
         screening.track_screened(grey, RATE, settings)
     with pytest.raises(RejectedUtterance, match="no face in any frame"):
         screening.track_screened(moving_pictures(), RATE, settings)
+
+
+def test_blank_frames_are_counted_in_seconds():
+    contrast = np.full(100, 40.0)
+    contrast[50:54] = 0
+    blank = screening.PictureMeasures(contrast, np.ones(100))
+    settings = screening.ScreeningSettings(max_blank_seconds=0.1)
+    screening.check_pictures(blank, 100.0, settings)
+    with pytest.raises(RejectedUtterance, match="4 frames show nothing"):
+        screening.check_pictures(blank, 25.0, settings)

@@ -127,7 +127,7 @@ def test_training_from_files_draws_frames_and_takes_the_drift_out(tmp_path, data
             rows = slice(50 * number, 50 * number + 50)
             light, seat = 20 * generator.standard_normal(), 5 * generator.standard_normal()
             shape, texture = (shapes[rows] + seat).astype(np.float32), textures[rows] + light
-            own = reference_of(shape, texture)
+            own = reference_of(shape, texture, rate=25.0)
             arrays = {"shape": shape, "texture": texture}
             arrays |= {"reference_shape": own.shape, "reference_texture": own.texture}
             out.add(f"u{number}", arrays, 25.0)
