@@ -19,7 +19,7 @@ from visualspeech.features.streams import FeatureSettings
 from visualspeech.models.baselines import BaselineSettings
 from visualspeech.models.training import TrainingSettings
 from visualspeech.settings import merged, model_names, resolve
-from visualspeech.speech.alignment import AlignmentSettings
+from visualspeech.speech.forced_alignment import AlignmentSettings
 
 CONFIG = REPOSITORY / "config"
 SECTIONS = {
