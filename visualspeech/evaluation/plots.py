@@ -11,6 +11,7 @@ from contextlib import contextmanager
 import numpy as np
 
 from visualspeech.errors import DataError
+from visualspeech.speech.phones import SILENCE
 
 #: Okabe and Ito's colours, told apart by colour-blind readers too.
 COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#7f7f7f", "#000000")
@@ -169,7 +170,7 @@ def trajectories(
             # The grid of this picture is the borders of the phones.
             axes.grid(False)
             for place, (label, start, stop) in enumerate(phones):
-                shade = "#f4f4f2" if label == "sil" else ("#e6edf5", "#f6f9fc")[place % 2]
+                shade = "#f4f4f2" if label == SILENCE else ("#e6edf5", "#f6f9fc")[place % 2]
                 axes.axvspan(start, stop, color=shade, linewidth=0, zorder=0)
             axes.plot(times, true[:, column], color=TRUTH, linewidth=1.9, label="recorded", zorder=2)
             for place, (model, values) in enumerate(predicted.items()):
