@@ -95,7 +95,7 @@ def placed(appearance: np.ndarray, bundle: SpeakerBundle, scene: Scene, settings
     aam = bundle.speaker.aam
     shape = aam.shape_mean + appearance @ aam.shape_basis
     shape = shape + scene.clips @ bundle.background.shapes - aam.drift.shape
-    return place(scene.landmarks, shape, scene.pose, bundle.speaker.head, settings)
+    return place(scene.landmarks, shape, scene.pose, bundle.speaker.head, bundle.speaker.reference.points, settings)
 
 
 def speaking_frames(
