@@ -1,4 +1,4 @@
-"""Which tracked frames a speaker's head is fitted to, and which utterances have another frame size."""
+"""The tracked frames that a speaker's head is fitted to; utterances of another frame size."""
 
 from collections import Counter
 from collections.abc import Sequence
@@ -6,6 +6,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from visualspeech.errors import CorpusError, RejectedUtterance
+from visualspeech.face.head import HeadModel, PoseSettings, fit_head
 
 
 def frame_size(landmarks, ids: Sequence[str]) -> tuple[int, int]:
@@ -39,6 +40,32 @@ def screen_frame_sizes(landmarks, ids: Sequence[str]) -> dict[str, RejectedUtter
         for one in ids
         if _size(landmarks, one) != usual
     }
+
+
+def fit_speaker_head(speaker: str, landmarks, ids: Sequence[str], settings: PoseSettings | None = None) -> HeadModel:
+    """Fit the head of one speaker to frames spread evenly over training utterances.
+
+    Parameters
+    ----------
+    speaker : for messages
+    landmarks : opened landmark files that hold these utterances
+    ids : the speaker's training utterances
+
+    Raises
+    ------
+    CorpusError
+        There are no utterances.
+    DataError
+        As :func:`visualspeech.face.head.fit_head`.
+    """
+    if not ids:
+        raise CorpusError(
+            f"no training utterance of the speaker {speaker!r} has a tracked face. See the findings of the check and "
+            "of the landmarks; leave this speaker out, or record the speaker again."
+        )
+    settings = settings or PoseSettings()
+    points, size = sample_landmarks(landmarks, ids, settings.frames)
+    return fit_head(points, size, settings)
 
 
 def sample_landmarks(landmarks, ids: Sequence[str], frames: int) -> tuple[np.ndarray, tuple[int, int]]:

@@ -3,8 +3,9 @@
 from visualspeech.corpora.findings import check_share, read_findings, rejected_ids, rejection, write_findings
 from visualspeech.corpora.records import legal_id
 from visualspeech.corpora.table import read_split, read_utterances, write_accepted
+from visualspeech.face.head import load_heads
 from visualspeech.face.screening import ScreeningSettings
-from visualspeech.face.speakers import load_heads, screen_speakers
+from visualspeech.face.speakers import screen_speakers
 from visualspeech.jobs import job, log
 from visualspeech.storage import ArrayCollection
 

@@ -2,7 +2,7 @@
 
 from visualspeech.corpora.table import of_split, read_utterances
 from visualspeech.face.aam.model import AamSettings
-from visualspeech.face.aam.utterances import fit_aam
+from visualspeech.face.aam.training import fit_aam
 from visualspeech.face.point_sets import read_point_set
 from visualspeech.jobs import job
 from visualspeech.storage import ArrayCollection

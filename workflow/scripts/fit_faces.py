@@ -7,8 +7,8 @@ from visualspeech.face.aam.fitting.faces import fit_faces
 from visualspeech.face.aam.model import Aam
 from visualspeech.face.aam.reference import Reference
 from visualspeech.face.drift import DriftSettings, reference_face
+from visualspeech.face.head import load_heads
 from visualspeech.face.pose import Pose
-from visualspeech.face.speakers import load_heads
 from visualspeech.jobs import job, log, progress
 from visualspeech.media.reading import read_frames
 from visualspeech.speech.rows import read_alignment_rows, silent_frames

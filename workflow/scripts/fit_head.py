@@ -3,7 +3,7 @@
 from visualspeech.corpora.records import legal_id
 from visualspeech.corpora.table import read_split, read_utterances
 from visualspeech.face.head import PoseSettings
-from visualspeech.face.speakers import fit_speaker_head
+from visualspeech.face.sampling import fit_speaker_head
 from visualspeech.jobs import job
 from visualspeech.storage import ArrayCollection
 

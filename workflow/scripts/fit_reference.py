@@ -1,8 +1,7 @@
 """Mean shape of the points over the training utterances, and the grid of pixels inside it."""
 
 from visualspeech.corpora.table import of_split, read_utterances
-from visualspeech.face.aam.reference import ReferenceSettings
-from visualspeech.face.aam.utterances import fit_reference_of
+from visualspeech.face.aam.reference import ReferenceSettings, fit_reference_of
 from visualspeech.face.point_sets import read_point_set
 from visualspeech.jobs import job
 from visualspeech.storage import ArrayCollection

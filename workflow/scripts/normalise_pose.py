@@ -2,9 +2,8 @@
 
 from visualspeech.corpora.records import legal_id
 from visualspeech.corpora.table import read_utterances
-from visualspeech.face.head import PoseSettings
+from visualspeech.face.head import PoseSettings, load_heads
 from visualspeech.face.pose import estimate, to_frontal
-from visualspeech.face.speakers import load_heads
 from visualspeech.jobs import job, progress
 from visualspeech.storage import ArrayReader, ArrayWriter
 

@@ -1,8 +1,7 @@
 """Sample shapes and textures of the faces in every frame of one shard, and the reference face of each utterance."""
 
 from visualspeech.corpora.table import read_utterances
-from visualspeech.face.aam.reference import Reference
-from visualspeech.face.aam.utterances import sample_faces
+from visualspeech.face.aam.reference import Reference, sample_faces
 from visualspeech.face.drift import DriftSettings
 from visualspeech.jobs import job, progress
 from visualspeech.media.reading import read_frames

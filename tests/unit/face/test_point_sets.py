@@ -12,8 +12,8 @@ from visualspeech.face import point_sets
 from visualspeech.face.aam.fitting import FittingModel, FittingSettings
 from visualspeech.face.aam.fitting.faces import fit_faces
 from visualspeech.face.aam.model import Aam, AamSettings
-from visualspeech.face.aam.reference import Reference, ReferenceSettings, paint
-from visualspeech.face.aam.utterances import fit_aam, fit_reference_of, sample_faces
+from visualspeech.face.aam.reference import Reference, ReferenceSettings, fit_reference_of, paint, sample_faces
+from visualspeech.face.aam.training import fit_aam
 from visualspeech.face.head import fit_head
 from visualspeech.face.point_sets import parse_point_set, point_set_path, read_point_set, to_points, to_vector
 from visualspeech.face.pose import estimate, to_frontal

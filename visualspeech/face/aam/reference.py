@@ -13,7 +13,8 @@ from pathlib import Path
 import numpy as np
 
 from visualspeech.errors import DataError, SettingError
-from visualspeech.face.point_sets import PointSet, read_point_set
+from visualspeech.face.drift import DriftSettings, Faces
+from visualspeech.face.point_sets import PointSet, read_point_set, to_vector
 from visualspeech.storage import read_model_of, write_model
 
 KIND = "texture grid"
@@ -147,6 +148,20 @@ def fit_reference(
     )
 
 
+def fit_reference_of(
+    pose, ids: Iterable[str], points: PointSet, settings: ReferenceSettings | None = None
+) -> Reference:
+    """The mean shape and texture grid of training utterances; raises as :func:`fit_reference`.
+
+    Parameters
+    ----------
+    pose : opened files with ``points`` (T, 68, 2) of each utterance, landmarks in pixels of the normalised face
+    ids : the training utterances
+    points : the point set of the grid
+    """
+    return fit_reference((points.select(pose.array(name, "points")) for name in ids), points, settings)
+
+
 def sample_texture(frame: np.ndarray, image_points: np.ndarray, reference: Reference) -> np.ndarray:
     """The texture (r_1..r_U, g_1..g_U, b_1..b_U) of one face (Eq. 4), (3U,) uint8.
 
@@ -182,6 +197,32 @@ def sample_textures(frames: Iterable[np.ndarray], image_points: np.ndarray, refe
     if done != len(textures):
         raise DataError(f"{done} frames in the recording but landmarks for {len(textures)}")
     return textures
+
+
+def sample_faces(
+    frames: Iterable[np.ndarray],
+    landmarks: np.ndarray,
+    frontal: np.ndarray,
+    reference: Reference,
+    silent: np.ndarray | None = None,
+    drift: DriftSettings | None = None,
+) -> Faces:
+    """The faces of one utterance at the tracker's points: shapes, textures and the utterance's reference face.
+
+    Parameters
+    ----------
+    frames : T frames of the recording in order, (height, width, 3) uint8 RGB
+    landmarks : (T, 68, 2) in these frames, pixels
+    frontal : (T, 68, 2) the same landmarks in the normalised face, pixels
+    silent : (T,) bool, the frames in which nobody speaks; only the drift method ``silence`` needs it
+
+    Raises
+    ------
+    DataError
+        The numbers of frames, landmarks and silent frames differ.
+    """
+    texture = sample_textures(frames, reference.points.select(landmarks), reference)
+    return Faces.of(to_vector(reference.points.select(frontal)), texture, silent, drift)
 
 
 def texture_image(texture: np.ndarray, reference: Reference) -> np.ndarray:

@@ -7,7 +7,7 @@ from visualspeech.face.aam.model import Aam, AamSettings, fit
 from visualspeech.face.aam.modes import mode_pictures
 from visualspeech.face.aam.reference import ReferenceSettings, fit_reference
 from visualspeech.face.aam.rows import ArrayRows
-from visualspeech.face.aam.utterances import fit_aam
+from visualspeech.face.aam.training import fit_aam
 from visualspeech.face.coding import load_coding, read_coding_header
 from visualspeech.face.drift import Faces, remove
 from visualspeech.face.point_sets import to_points, to_vector

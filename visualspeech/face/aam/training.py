@@ -1,60 +1,19 @@
-"""The steps of a visual coding over whole utterances: texture grid, sampling of faces, training of the AAM."""
+"""Training of an AAM on the files of training utterances."""
 
 import tempfile
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
 
 from visualspeech.errors import DataError
 from visualspeech.face.aam.model import Aam, AamSettings, fit
-from visualspeech.face.aam.reference import Reference, ReferenceSettings, fit_reference, sample_textures
 from visualspeech.face.aam.rows import RowFile, choose_frames
-from visualspeech.face.drift import DriftSettings, Faces, corpus_reference, reference_face, remove
-from visualspeech.face.point_sets import PointSet, to_vector
+from visualspeech.face.drift import corpus_reference, reference_face, remove
+from visualspeech.face.point_sets import PointSet
 from visualspeech.jobs import progress
 
 _CHUNK = 256  # frames read at a time
-
-
-def fit_reference_of(
-    pose, ids: Iterable[str], points: PointSet, settings: ReferenceSettings | None = None
-) -> Reference:
-    """The mean shape and texture grid of training utterances; raises as :func:`fit_reference`.
-
-    Parameters
-    ----------
-    pose : opened files with ``points`` (T, 68, 2) of each utterance, landmarks in pixels of the normalised face
-    ids : the training utterances
-    points : the point set of the grid
-    """
-    return fit_reference((points.select(pose.array(name, "points")) for name in ids), points, settings)
-
-
-def sample_faces(
-    frames: Iterable[np.ndarray],
-    landmarks: np.ndarray,
-    frontal: np.ndarray,
-    reference: Reference,
-    silent: np.ndarray | None = None,
-    drift: DriftSettings | None = None,
-) -> Faces:
-    """The faces of one utterance at the tracker's points: shapes, textures and the utterance's reference face.
-
-    Parameters
-    ----------
-    frames : T frames of the recording in order, (height, width, 3) uint8 RGB
-    landmarks : (T, 68, 2) in these frames, pixels
-    frontal : (T, 68, 2) the same landmarks in the normalised face, pixels
-    silent : (T,) bool, the frames in which nobody speaks; only the drift method ``silence`` needs it
-
-    Raises
-    ------
-    DataError
-        The numbers of frames, landmarks and silent frames differ.
-    """
-    texture = sample_textures(frames, reference.points.select(landmarks), reference)
-    return Faces.of(to_vector(reference.points.select(frontal)), texture, silent, drift)
 
 
 def fit_aam(
