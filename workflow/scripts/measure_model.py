@@ -13,7 +13,11 @@ with (
 ):
     aam = Aam.load(snakemake.input.aam)
     rows = [
-        score(one, predicted_sequence(predictions.array(one, "appearance"), aam), recorded_sequence(features[one]))
+        score(
+            one,
+            predicted_sequence(predictions.array(one, "appearance"), aam),
+            recorded_sequence(features[one], aam.points),
+        )
         for one in predictions.ids
     ]
     write_table(snakemake.output[0], score_table(rows))

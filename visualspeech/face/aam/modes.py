@@ -4,8 +4,8 @@ import numpy as np
 
 from visualspeech.errors import SettingError
 from visualspeech.face.aam.model import Aam
-from visualspeech.face.aam.points import to_points
 from visualspeech.face.aam.reference import Reference, paint
+from visualspeech.face.point_sets import to_points
 
 KINDS = ("shape", "texture", "appearance")
 _MARGIN = 0.08  # room around the mean face, as a share of its width

@@ -35,10 +35,8 @@ class Mesh:
     @classmethod
     def of_reference(cls, reference) -> "Mesh":
         """The mesh of the texture grid of a :class:`~visualspeech.face.aam.reference.Reference`."""
-        from visualspeech.face.aam.points import TRIANGLES
-
         weights = reference.weights.toarray().astype(np.float32)
-        return cls(reference.grid_shape, TRIANGLES, reference.pixels, weights)
+        return cls(reference.grid_shape, reference.points.triangles, reference.pixels, weights)
 
     @classmethod
     def delaunay(cls, shape: np.ndarray, pixels: int) -> "Mesh":

@@ -21,6 +21,7 @@ import numpy as np
 from visualspeech.errors import DataError
 from visualspeech.face.aam.fitting.mesh import Mesh
 from visualspeech.face.aam.fitting.shapes import ShapeSpace
+from visualspeech.face.point_sets import to_points
 from visualspeech.fields import Settings, setting
 
 VARIANTS = ("alternating", "simultaneous", "project_out")
@@ -213,8 +214,6 @@ class FittingModel:
                 "they are not of one run"
             )
         settings = settings or FittingSettings()
-        from visualspeech.face.aam.points import to_points
-
         modes = grey(aam.texture_components[: settings.texture_modes])
         left = max(float(aam.totals[1] - aam.texture_variances[: settings.texture_modes].sum()), 0)
         shape = to_points(aam.shape_mean), to_points(aam.shape_components), aam.shape_variances

@@ -3,7 +3,7 @@ import pytest
 
 from visualspeech.errors import DataError
 from visualspeech.face.aam.fitting.shapes import ShapeSpace
-from visualspeech.face.aam.points import to_points
+from visualspeech.face.point_sets import to_points
 
 from .scene import parts
 
