@@ -1,4 +1,4 @@
-"""What a tracker of landmarks is: the points that it finds, its settings, and how it is asked."""
+"""The interface of landmark trackers, their points and their settings."""
 
 from dataclasses import dataclass
 from typing import Protocol
@@ -6,7 +6,7 @@ from typing import Protocol
 import numpy as np
 
 POINTS = 68
-# Points that the skull carries: bridge and base of the nose, corners of the eyes.
+# Landmarks that move with the skull only: bridge and base of the nose, corners of the eyes.
 RIGID = np.array([27, 28, 29, 30, 31, 32, 33, 34, 35, 36, 39, 42, 45])
 
 
@@ -40,7 +40,7 @@ class LandmarkSettings:
 
 
 class Tracker(Protocol):
-    """Follows one face through the frames of one recording; a fresh tracker is made for every recording."""
+    """Follows one face through the frames of one recording; one tracker is made per recording."""
 
     def next(self, frame: np.ndarray) -> np.ndarray | None:
         """The points (68, 2) in pixels of the next frame, (height, width, 3) uint8 RGB; None where there is no face."""
