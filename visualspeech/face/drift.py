@@ -1,26 +1,26 @@
-"""Slow drift between recordings (light, seat, camera), taken out of shapes and textures and put back for rendering.
+"""Slow drift between recordings (light, seat, camera), removed from shapes and textures and restored for rendering.
 
 A speaker moves and the light changes between one utterance and the next. That is a large part of the variance of raw
-faces, it has nothing to do with what is said, and no model of speech can predict it. Each utterance therefore gets a
-reference face of its own, and is moved as a whole so that its reference falls on the corpus's reference::
+faces, it is unrelated to what is said, and no model of speech can predict it. Each utterance therefore gets a reference
+face of its own, and is shifted as a whole so that its reference coincides with the corpus's reference::
 
     normalised = observed - reference of the utterance + reference of the corpus
 
-The move is one constant vector for an utterance: movement in time, which is what speech is, stays as it was, and
+The shift is one constant vector per utterance: movement in time, which is speech, stays as it was, and
 :func:`restore` undoes it exactly, so that a rendered mouth has the light of the recording it is put into.
 
 Methods (``DriftSettings.method``):
 
 ``clip_mean`` (the default)
-    the reference is the mean over all frames of the utterance. The steadiest; with the drift goes what the mean owes to
-    the words, which is little in a whole sentence and much in a single word.
+    the reference is the mean over all frames of the utterance. The most stable; what the mean owes to the words is
+    removed with the drift, which is little in a whole sentence and much in a single word.
 ``silence``
-    the reference is the mean over the utterance's silent frames (pauses of the alignment). Takes out nothing of the
-    speech, but needs pauses in every utterance, and a mouth at rest is not always the same mouth.
+    the reference is the mean over the utterance's silent frames (pauses of the alignment). Removes nothing of the
+    speech, but needs pauses in every utterance, and the mouth at rest differs from pause to pause.
 ``none``
-    nothing is taken out.
+    nothing is removed.
 
-What each leaves to be explained on real recordings is in ``docs/aam.md``.
+The variance that each leaves on real recordings is in ``docs/aam.md``.
 """
 
 from collections.abc import Iterable

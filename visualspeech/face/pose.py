@@ -121,21 +121,21 @@ def depth_map(head: HeadModel) -> np.ndarray:
     """Depth of the head under every pixel of the normalised image, (height, width) in head coordinates.
 
     A thin-plate spline through the 68 points, kept between the shallowest and the deepest of them. It is made for
-    showing: landmarks take their own depths.
+    display: landmarks have their own depths.
     """
     from scipy.interpolate import RBFInterpolator
 
     width, height = head.size
     across, down = np.meshgrid(np.arange(width), np.arange(height))
-    places = np.stack([across.ravel(), down.ravel()], axis=1) - head.offset
+    positions = np.stack([across.ravel(), down.ravel()], axis=1) - head.offset
     # Inner and outer lips nearly coincide; without smoothing the surface would buckle between them.
     surface = RBFInterpolator(head.points3d[:, :2], head.points3d[:, 2], kernel="thin_plate_spline", smoothing=50.0)
     depth = head.points3d[:, 2]
-    return np.clip(surface(places), depth.min(), depth.max()).reshape(height, width)
+    return np.clip(surface(positions), depth.min(), depth.max()).reshape(height, width)
 
 
 def frontal_image(frame: np.ndarray, pose: Pose, head: HeadModel, depth: np.ndarray | None = None) -> np.ndarray:
-    """The normalised face of one frame, for showing.
+    """The normalised face of one frame, for display.
 
     Parameters
     ----------

@@ -6,6 +6,7 @@ import pytest
 from tests.unit.animation.faces import draw, points68
 from tests.unit.face import heads
 from tests.unit.face.aam.faces import POINTS, generic_face, moving_faces
+from visualspeech.animation.rendering import place
 from visualspeech.animation.video import Recording, Speaker, synthetic_frames
 from visualspeech.errors import DataError, SettingError
 from visualspeech.face import point_sets
@@ -183,6 +184,12 @@ def test_a_smaller_set_needs_no_code(tmp_path, monkeypatch):
     model = FittingModel.of_aam(aam, reference, FittingSettings(iterations=3))
     found = fit_faces(frames, made.points, pose, head, model, reference, (faces.reference, aam.drift))
     assert found.points.shape == (20, 34, 2)
+    placement = place(made.points, faces.shape + 4, pose, head, points)
+    assert placement.target.shape == (20, 34 + 12, 2)
+    moved = np.linalg.norm(placement.target - placement.recorded, axis=2)
+    np.testing.assert_array_equal(moved[:, 34:], 0)
+    np.testing.assert_allclose(moved[:, points.regions["nostrils"]], 0, atol=1e-9)
+    assert moved[:, points.regions["lips"]].min() > 3
     recording = Recording(made.points, pose, faces.reference)
     rendered = list(synthetic_frames(frames, coded.parameters, recording, Speaker(head, aam, reference), rate=25.0))
     assert np.mean([np.abs(a.astype(int) - b).mean() for a, b in zip(frames, rendered, strict=True)]) < 1.0

@@ -49,5 +49,5 @@ def test_similarity_in_the_components_is_taken_out():
 
 
 def test_a_face_in_one_place_is_refused():
-    with pytest.raises(DataError, match="one place"):
+    with pytest.raises(DataError, match="coincide"):
         ShapeSpace.of(np.ones((5, 2)), np.ones((1, 5, 2)), np.ones(1))
