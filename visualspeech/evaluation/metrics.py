@@ -2,8 +2,8 @@
 
 An utterance is kept as *sufficient statistics*: numbers that are added over utterances and from whose sums the figure
 of a corpus follows. Eq. 16-19, the lip distance and the global-variance ratio are quotients of two sums; the
-concordance correlation is a function of the moments of prediction and truth (:func:`concordance`). A new measure is an entry of
-:data:`METRICS`, and where it needs further statistics, a line of :func:`score`.
+concordance correlation is a function of the moments of prediction and truth (:func:`concordance`). A new measure is an
+entry of :data:`METRICS`, and where it needs further statistics, a line of :func:`score`.
 """
 
 from collections.abc import Callable, Iterable
