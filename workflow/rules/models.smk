@@ -1,8 +1,4 @@
 # One rule trains every model and one predicts: the row of the tables says how.
-TRAINED = one_of(row.name for name in SETTINGS["systems"] for row in rows_of(name, ("model", "baseline")))
-FLOORS = one_of(row.name for name in SETTINGS["systems"] for row in rows_of(name, ("floor",)))
-
-
 rule train_model:
     input:
         utterances="<corpus>/utterances.tsv",
@@ -17,8 +13,8 @@ rule train_model:
             "<system>/models/{parent}/model.safetensors", wildcards, parent=list(filter(None, [row_of(wildcards).parent]))
         ),
     output:
-        model="<model>/model.safetensors",
-        curve="<model>/learning_curve.tsv",
+        model="<system>/models/{model}/model.safetensors",
+        curve="<system>/models/{model}/learning_curve.tsv",
     log:
         "<system>/logs/train_model/{model}.log",
     benchmark:
@@ -40,11 +36,11 @@ rule train_model:
 rule predict_model:
     input:
         utterances="<corpus>/utterances.tsv",
-        model="<model>/model.safetensors",
+        model="<system>/models/{model}/model.safetensors",
         targets=shards("<system>/targets/{shard}.h5"),
         features=features_of,
     output:
-        "<model>/predictions.h5",
+        "<system>/models/{model}/predictions.h5",
     log:
         "<system>/logs/predict_model/{model}.log",
     benchmark:
@@ -68,7 +64,7 @@ rule reconstruct_targets:
         utterances="<corpus>/utterances.tsv",
         targets=shards("<system>/targets/{shard}.h5"),
     output:
-        "<model>/predictions.h5",
+        "<system>/models/{model}/predictions.h5",
     log:
         "<system>/logs/reconstruct_targets/{model}.log",
     threads: 1

@@ -1,11 +1,4 @@
 # Material of a preference test (Fan 2015, Fig. 4), and what its viewers answered.
-def predictions_of(number):
-    """Input function: predictions of the first or the second model of a system's preference test."""
-    return lambda wildcards: filled(
-        "<model>/predictions.h5", wildcards, model=system_of(wildcards)["preference"]["models"][number]
-    )
-
-
 rule render_pairs:
     input:
         utterances="<corpus>/utterances.tsv",
