@@ -1,4 +1,4 @@
-# The visual coding: what models predict. Its faces are read at the tracker's landmarks, or where the fitted AAM finds them.
+# The visual coding is what models predict. Its faces are read at landmarks, or where the fitted AAM finds them.
 rule fit_reference:
     input:
         utterances="<corpus>/utterances.tsv",

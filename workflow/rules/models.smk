@@ -10,7 +10,9 @@ rule train_model:
         features=features_of,
         # The model that it is made from, where the settings say `from`.
         parent=lambda wildcards: filled(
-            "<system>/models/{parent}/model.safetensors", wildcards, parent=list(filter(None, [row_of(wildcards).parent]))
+            "<system>/models/{parent}/model.safetensors",
+            wildcards,
+            parent=list(filter(None, [row_of(wildcards).parent])),
         ),
     output:
         model="<system>/models/{model}/model.safetensors",
@@ -19,12 +21,12 @@ rule train_model:
         "<system>/logs/train_model/{model}.log",
     benchmark:
         "<system>/benchmarks/train_model/{model}.tsv"
+    wildcard_constraints:
+        model=TRAINED,
     threads: 1
     resources:
         mem_mb=2000,
         disk_mb=200,
-    wildcard_constraints:
-        model=TRAINED,
     params:
         row=lambda wildcards: row_of(wildcards).plain(),
         module=lambda wildcards: FAMILIES[row_of(wildcards).family].module,
@@ -45,12 +47,12 @@ rule predict_model:
         "<system>/logs/predict_model/{model}.log",
     benchmark:
         "<system>/benchmarks/predict_model/{model}.tsv"
+    wildcard_constraints:
+        model=TRAINED,
     threads: 1
     resources:
         mem_mb=2000,
         disk_mb=200,
-    wildcard_constraints:
-        model=TRAINED,
     params:
         reads=lambda wildcards: len(row_of(wildcards).reads),
         module=lambda wildcards: FAMILIES[row_of(wildcards).family].module,
@@ -67,12 +69,12 @@ rule reconstruct_targets:
         "<system>/models/{model}/predictions.h5",
     log:
         "<system>/logs/reconstruct_targets/{model}.log",
+    wildcard_constraints:
+        model=FLOORS,
     threads: 1
     resources:
         mem_mb=500,
         disk_mb=200,
-    wildcard_constraints:
-        model=FLOORS,
     params:
         code=code("reconstruct_targets.py"),
     script:
