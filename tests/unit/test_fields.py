@@ -12,6 +12,7 @@ from visualspeech.animation.speaking_settings import SpeakSettings
 from visualspeech.animation.video_settings import VideoSettings
 from visualspeech.animation.walk import WalkSettings
 from visualspeech.corpora.check_settings import CheckSettings
+from visualspeech.corpora.demo.recording import DemoSettings
 from visualspeech.errors import SettingError, StorageError
 from visualspeech.evaluation.comparisons import ComparisonSettings
 from visualspeech.evaluation.statistics import BootstrapSettings
@@ -33,8 +34,9 @@ from visualspeech.speech.spoken_settings import VoiceSettings
 
 CLASSES = [
     AamSettings, AlignmentSettings, BaselineSettings, BootstrapSettings, CheckSettings, ComparisonSettings,
-    DriftSettings, FeatureSettings, FittingSettings, HmmSettings, LandmarkSettings, PoseSettings, ReferenceSettings,
-    RenderSettings, ScreeningSettings, SpeakSettings, TableSettings, VideoSettings, VoiceSettings, WalkSettings,
+    DemoSettings, DriftSettings, FeatureSettings, FittingSettings, HmmSettings, LandmarkSettings, PoseSettings,
+    ReferenceSettings, RenderSettings, ScreeningSettings, SpeakSettings, TableSettings, VideoSettings, VoiceSettings,
+    WalkSettings,
 ]  # fmt: skip
 HEAVY = {"av", "torch", "cv2", "dlib", "pandas", "scipy", "matplotlib", "h5py", "pocketsphinx", "jsonschema"}
 BESIDE = {"minimum": -1, "above": 0, "maximum": 1, "below": 0}  # how far outside a bound a value is
