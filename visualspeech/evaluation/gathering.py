@@ -1,6 +1,8 @@
 """What the report shows, gathered from the files of a run."""
 
+import os
 from collections.abc import Mapping, Sequence
+from datetime import date
 from importlib.metadata import version
 from pathlib import Path
 
@@ -149,6 +151,16 @@ def stage_timings(benchmarks: Sequence[str], landmarks: Sequence[str]) -> tuple[
     with ArrayCollection(landmarks) as tracked:
         frames = sum(tracked.length(one, "points") for one in tracked.ids)
     return read_timings(benchmarks, dict.fromkeys(FRAME_STAGES, frames))
+
+
+def origin() -> dict[str, str]:
+    """Commit, date and command of a run, as :class:`ReportContent` takes them.
+
+    Commit and command are what the run has put into the environment of its jobs: as parameters of a job they would make
+    the report stale with every call. Empty where nothing is there.
+    """
+    found = {name: os.environ.get(f"VISUALSPEECH_{name.upper()}", "") for name in ("commit", "command")}
+    return found | {"date": date.today().isoformat()}
 
 
 def versions() -> dict[str, str]:

@@ -22,8 +22,6 @@ with job(snakemake.log[0]):
         timings=gathering.stage_timings(source.benchmarks, source.get("landmarks", [])),
         settings=params.settings,
         versions=gathering.versions(),
-        commit=params.commit,
-        date=params.date,
-        command=params.command,
+        **gathering.origin(),
     )
     write_text(page, render_report(content))
