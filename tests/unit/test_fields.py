@@ -5,6 +5,7 @@ import sys
 from dataclasses import asdict, dataclass, fields, replace
 
 import pytest
+from visualspeech.models.baselines import BaselineSettings
 
 from tests.paths import REPOSITORY
 from visualspeech.animation.rendering import RenderSettings
@@ -26,7 +27,6 @@ from visualspeech.face.screening import ScreeningSettings
 from visualspeech.face.tracker import LandmarkSettings
 from visualspeech.features.streams import FeatureSettings
 from visualspeech.fields import Settings, default_of, described_fields, restored, section_schema, setting, with_defaults
-from visualspeech.models.baselines import BaselineSettings
 from visualspeech.models.hmm.model import HmmSettings
 from visualspeech.schema import check
 from visualspeech.speech.alignment import AlignmentSettings

@@ -1,6 +1,7 @@
 """What the report shows, gathered from the files of a run."""
 
 from collections.abc import Mapping, Sequence
+from datetime import date
 from importlib.metadata import version
 from pathlib import Path
 
@@ -17,6 +18,7 @@ from visualspeech.face.aam.model import Aam
 from visualspeech.face.aam.modes import mode_pictures
 from visualspeech.face.aam.reference import Reference
 from visualspeech.models.rows import ModelRow
+from visualspeech.provenance import command, commit
 from visualspeech.speech.alignment import read_alignments
 from visualspeech.storage import ArrayCollection, ArrayReader, read_table, read_text
 
@@ -148,6 +150,14 @@ def stage_timings(benchmarks: Sequence[str], landmarks: Sequence[str]) -> tuple[
     with ArrayCollection(landmarks) as tracked:
         frames = sum(tracked.length(one, "points") for one in tracked.ids)
     return read_timings(benchmarks, dict.fromkeys(FRAME_STAGES, frames))
+
+
+def origin() -> dict[str, str]:
+    """Commit, date and command of a run, as :class:`ReportContent` takes them.
+
+    They are found when the report is written: as parameters of its job they would make it stale with every call.
+    """
+    return {"commit": commit(), "command": command(), "date": date.today().isoformat()}
 
 
 def versions() -> dict[str, str]:

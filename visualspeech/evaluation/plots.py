@@ -219,12 +219,7 @@ def mode_pictures(
     Returns
     -------
     bytes
-        a PNG
-
-    Raises
-    ------
-    DataError
-        The array is not of that shape.
+        a PNG; a :class:`DataError` is raised where the array is not of that shape
     """
     pictures = np.asarray(pictures)
     if pictures.ndim != 5 or pictures.shape[-1] != 3 or pictures.dtype != np.uint8 or not pictures.size:

@@ -52,10 +52,8 @@ def result_tables(
 
     Raises
     ------
-    SettingError
-        A metric is unknown.
-    DataError
-        The training mean is missing, or there is no test utterance.
+    SettingError, DataError
+        As :func:`visualspeech.evaluation.statistics.summarise`.
     """
     settings, bootstrap = settings or TableSettings(), bootstrap or BootstrapSettings()
     summary = summarise(measured, settings.metrics, bootstrap)

@@ -5,7 +5,7 @@ rule write_report:
         findings="<corpus>/findings.tsv",
         alignment=shards("<corpus>/alignment/{shard}.tsv"),
         landmarks=shards("<corpus>/landmarks/{shard}.h5"),
-        tables="<corpus>/tables/systems.html",
+        tables=["<corpus>/tables/systems.html"],
         files=reported_files,
         benchmarks=benchmarks_of,
     output:

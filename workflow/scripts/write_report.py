@@ -1,13 +1,11 @@
 """The report of a corpus with all its systems: one page that opens offline."""
 
-from datetime import date
-
 from visualspeech.corpora.findings import read_findings
 from visualspeech.corpora.table import read_split, read_utterances
 from visualspeech.evaluation import gathering
 from visualspeech.evaluation.report import ReportContent, render_report
 from visualspeech.jobs import job
-from visualspeech.provenance import command, commit, split_hash
+from visualspeech.provenance import split_hash
 from visualspeech.storage import write_text
 
 source, params, page = snakemake.input, snakemake.params, snakemake.output[0]
@@ -24,8 +22,6 @@ with job(snakemake.log[0]):
         timings=gathering.stage_timings(source.benchmarks, source.get("landmarks", [])),
         settings=params.settings,
         versions=gathering.versions(),
-        commit=commit(),
-        date=date.today().isoformat(),
-        command=command(),
+        **gathering.origin(),
     )
     write_text(page, render_report(content))

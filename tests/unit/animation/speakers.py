@@ -4,6 +4,7 @@ from pathlib import Path
 
 import numpy as np
 import torch
+from visualspeech.models.blstm import Stack, StackSettings
 
 from tests.unit.animation.faces import draw
 from tests.unit.face import heads
@@ -16,7 +17,6 @@ from visualspeech.face.aam.rows import ArrayRows
 from visualspeech.face.drift import FaceReference
 from visualspeech.face.pose import estimate, fit_head, to_frontal
 from visualspeech.features.label_parts import part_sizes
-from visualspeech.models.blstm import Stack, StackSettings
 from visualspeech.models.network import Network
 from visualspeech.provenance import file_digest
 from visualspeech.speech.phones import PHONES

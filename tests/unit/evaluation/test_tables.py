@@ -9,7 +9,8 @@ import pytest
 from tests.unit.evaluation.examples import BASELINES, measured, stack, statistics
 from visualspeech.errors import DataError, SettingError
 from visualspeech.evaluation.forms import all_forms
-from visualspeech.evaluation.metrics import METRICS
+from visualspeech.evaluation.measured import MeasuredRows
+from visualspeech.evaluation.metrics import METRICS, Metric, corpus_figure
 from visualspeech.evaluation.statistics import BootstrapSettings
 from visualspeech.evaluation.tables import PARTS, TableSettings, result_tables
 
@@ -120,6 +121,21 @@ def test_tsv_is_read_by_others(tmp_path):
     table = pandas.read_csv(tmp_path / "t.tsv", sep="\t", comment="#", index_col="row")
     assert table.loc["FBB-128", "corr"] == 0.7 and len(table.columns) == len(PARTS) * len(TableSettings().metrics)
     assert table.loc["FBB-128", "rmse_shape_low"] < table.loc["FBB-128", "rmse_shape"]
+
+
+def test_a_new_measure_is_one_entry(monkeypatch):
+    """What CONTRIBUTING says of adding a measure: a statistic of each utterance, and an entry of METRICS."""
+
+    def value(sums):
+        return sums[..., 0] / sums[..., 1] + 1
+
+    metric = Metric("dummy", "Dummy", "an error and 1", "low", ("dummy_sum", "frames"), value)
+    monkeypatch.setitem(METRICS, "dummy", metric)
+    found = rows()
+    tables = {name: table.assign(dummy_sum=table["rmse_shape_sum"]) for name, table in found.tables.items()}
+    frame, (figures, _) = made(TableSettings(("dummy",)), MeasuredRows(found.rows, tables))
+    assert frame["dummy"][0] == f"{corpus_figure(tables['FBB-128'], 'rmse_shape') + 1:.3f}"
+    assert cell(figures, "FBB-128", "Dummy").best and not cell(figures, "BFF-128", "Dummy").best
 
 
 def test_same_input_same_text():
