@@ -118,7 +118,7 @@ def systems_tables(frame, systems: Sequence[SystemRows], bootstrap: BootstrapSet
                 zip(metrics, COLUMNS, strict=True))  # fmt: skip
     notes = (
         "The best value in each column is bold; floors are left out.",
-        "Each system is compared with what it recorded itself, at its own frame rate and in its own visual coding.",
+        "The truth of each system is the recorded face at its own frame rate and in its own visual coding.",
     )
     title = "Systems on one corpus"
     return (Table(title, tuple(headings), tuple(rows), facts=facts, notes=notes, definitions=definitions_of(metrics)),)
