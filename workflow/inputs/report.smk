@@ -23,6 +23,16 @@ def predictions_of(number):
     )
 
 
+def of_preference(system):
+    """Names of the two models of a system's preference test."""
+    return system["preference"]["models"]
+
+
+def answers_of(wildcards):
+    """The completed answer sheets of a preference test, or the blank one."""
+    return system_of(wildcards)["preference"]["answers"] or filled("<system>/preference/answers.tsv", wildcards)
+
+
 def benchmarks_of(wildcards):
     """Benchmark files of every job that the results of a corpus come from."""
     corpus = PLAN.corpora[wildcards.corpus]

@@ -126,7 +126,8 @@ rule tabulate_systems:
             }
             for one in systems_of(wildcards)
         ],
-        bootstrap=lambda wildcards: system_of(systems_of(wildcards)[0])["tables"]["bootstrap"] | {"seed": SEED},
+        bootstrap=lambda wildcards: system_of(systems_of(wildcards)[0])["tables"]["bootstrap"],
+        seed=SEED,
         digits=lambda wildcards: system_of(systems_of(wildcards)[0])["tables"]["digits"],
         code=code("tabulate_systems.py"),
     script:
