@@ -1,21 +1,4 @@
-# The visual coding: what models predict. Its faces are read at the tracker's landmarks, or where the fitted AAM finds them.
-from visualspeech.face.point_sets import point_set_path
-
-
-def points_code(script):
-    """Params function: digest of a script with the point set of the job's coding."""
-    return lambda wildcards: code(script, data=[point_set_path(coding_of(wildcards)["points"])])
-
-
-def faces(wildcards):
-    """Files of the faces that a coding's parameters code, of the job's shard or of all."""
-    name = getattr(wildcards, "coding", None) or system_of(wildcards)["coding"]
-    folder = "fitted" if SETTINGS["codings"][name]["source"] == "fit" else "textures"
-    numbers = [wildcards.shard] if hasattr(wildcards, "shard") else PLAN.corpora[wildcards.corpus].shards
-    pattern = workflow.pathvars.apply(f"<coding>/{folder}/{{shard}}.h5")
-    return expand(pattern, corpus=wildcards.corpus, coding=name, shard=numbers)
-
-
+# The visual coding is what models predict. Its faces are read at landmarks, or where the fitted AAM finds them.
 rule fit_reference:
     input:
         utterances="<corpus>/utterances.tsv",

@@ -1,15 +1,4 @@
 # A head for each speaker, and the list of accepted utterances: one for all systems.
-def heads_of(wildcards):
-    return filled("<corpus>/heads/{speaker}.safetensors", wildcards, speaker=list(PLAN.corpora[wildcards.corpus].speakers))
-
-
-def findings_of(wildcards):
-    """Findings of the check and of every shard's alignment and tracking."""
-    stages = ("<corpus>/alignment/{shard}.findings.tsv", "<corpus>/landmarks/{shard}.findings.tsv")
-    checked = filled("<corpus>/check/findings.tsv", wildcards)
-    return [*checked, *(path for pattern in stages for path in shards(pattern)(wildcards))]
-
-
 rule fit_head:
     input:
         utterances=shards("<corpus>/corpus/utterances/{shard}.tsv"),

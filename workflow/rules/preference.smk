@@ -1,11 +1,4 @@
 # Material of a preference test (Fan 2015, Fig. 4), and what its viewers answered.
-def predictions_of(number):
-    """Input function: predictions of the first or the second model of a system's preference test."""
-    return lambda wildcards: filled(
-        "<model>/predictions.h5", wildcards, model=system_of(wildcards)["preference"]["models"][number]
-    )
-
-
 rule render_pairs:
     input:
         utterances="<corpus>/utterances.tsv",
@@ -43,17 +36,19 @@ rule render_pairs:
 
 rule tally_preference:
     input:
+        utterances="<corpus>/utterances.tsv",
+        coding=of_coding("model.safetensors"),
+        statistics=statistics_of(names=of_preference),
         key="<system>/preference_key.tsv",
-        answers=lambda wildcards: system_of(wildcards)["preference"]["answers"]
-        or filled("<system>/preference/answers.tsv", wildcards),
+        answers=answers_of,
     output:
         multiext("<system>/tables/preference", *FORMS),
     log:
         "<system>/logs/tally_preference.log",
     params:
-        published=lambda wildcards: system_of(wildcards)["published"],
+        rows=plain_rows(names=of_preference),
         facts=facts_of,
-        titles=lambda wildcards: {row.name: row.title for row in rows_of(wildcards.system)},
+        published=lambda wildcards: system_of(wildcards)["published"],
         code=code("tally_preference.py"),
     script:
         "../scripts/tally_preference.py"

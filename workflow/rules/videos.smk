@@ -1,18 +1,3 @@
-def shown_model(file):
-    """Input function: a file of the model that a system's videos show."""
-    return lambda wildcards: filled(f"<model>/{file}", wildcards, model=system_of(wildcards)["videos"]["model"])
-
-
-def of_head(wildcards):
-    """The head of a corpus's one speaker."""
-    return filled("<corpus>/heads/{speaker}.safetensors", wildcards, speaker=list(PLAN.corpora[wildcards.corpus].speakers)[:1])
-
-
-def names_of(wildcards):
-    """What a video says of the face that it shows."""
-    return {"corpus": wildcards.corpus, "consent": PLAN.corpora[wildcards.corpus].consent}
-
-
 rule render_videos:
     input:
         utterances="<corpus>/utterances.tsv",
@@ -40,7 +25,7 @@ rule render_videos:
         mem_mb=1500,
         disk_mb=1000,
     params:
-        count=lambda wildcards: system_of(wildcards)["videos"]["count"],
+        clips=lambda wildcards: system_of(wildcards)["videos"]["count"],
         label=lambda wildcards: system_of(wildcards)["videos"]["label"],
         names=lambda wildcards: {**names_of(wildcards), "model": system_of(wildcards)["videos"]["model"]},
         code=code("render_videos.py"),

@@ -4,13 +4,13 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from visualspeech.models.blstm import StackSettings
 
 from tests.unit.models.examples import PHONES, utterances
 from tests.unit.speech.alignments import even_alignment
 from visualspeech.errors import DataError, SettingError
 from visualspeech.features.label_parts import PARTS, full_labels, label_parts, part_sizes
 from visualspeech.features.labels import label_indices
-from visualspeech.models.blstm import StackSettings
 from visualspeech.models.network import Network
 from visualspeech.models.training import TrainingSettings, train
 
@@ -89,9 +89,9 @@ def test_a_network_learns_from_parts_and_keeps_them(tmp_path):
 
 def test_one_hot_blocks_lie_beside_each_other():
     import torch
+    from visualspeech.models.blstm import Stack
 
     from visualspeech.features.labels import one_hot
-    from visualspeech.models.blstm import Stack
 
     labels, _ = rich_utterances(1, 3)[0]
     stack = Stack(StackSettings("F", 4), len(PHONES), 2, parts=(4,))

@@ -1,8 +1,8 @@
 import numpy as np
 import pytest
+from visualspeech.models.hmm.examples import TimedExamples, read_tracks
 
 from visualspeech.errors import DataError
-from visualspeech.models.hmm.examples import TimedExamples, read_tracks
 from visualspeech.speech.alignment import to_table
 from visualspeech.speech.spoken import timed
 from visualspeech.storage import ArrayCollection, ArrayWriter, write_table

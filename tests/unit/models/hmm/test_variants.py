@@ -1,12 +1,12 @@
 from dataclasses import replace
 
 import pytest
+from visualspeech.models.hmm.variants import train_variant
+from visualspeech.models.names import HMMS
 
 from tests.unit.models.hmm.speech import PHONES, utterances
 from visualspeech.errors import DataError, SettingError
 from visualspeech.models.hmm.model import HmmSettings
-from visualspeech.models.hmm.variants import train_variant
-from visualspeech.models.names import HMMS
 
 SETTINGS = HmmSettings(states=3, rate=50.0, min_frames=4, mdl_factor=0.5, mge_epochs=2, monophone_iterations=1)
 
