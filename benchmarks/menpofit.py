@@ -29,9 +29,9 @@ from visualspeech.face.aam.empca import em_pca, pca
 from visualspeech.face.aam.fitting import FittingModel, FittingSettings, fit
 from visualspeech.face.aam.fitting.mesh import Mesh
 from visualspeech.face.aam.fitting.shapes import ShapeSpace
-from visualspeech.face.aam.points import to_points, to_vector
 from visualspeech.face.aam.rows import ArrayRows
 from visualspeech.face.landmarks import track
+from visualspeech.face.point_sets import to_points, to_vector
 from visualspeech.media.reading import read_frames
 
 DIAGONAL, PIXELS = 100, 4100

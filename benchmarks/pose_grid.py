@@ -17,8 +17,8 @@ import numpy as np
 from benchmarks.landmarks_grid import PARTS, jitter
 from tests.paths import grid_root
 from visualspeech.errors import RejectedUtterance
-from visualspeech.face.head import PoseSettings
-from visualspeech.face.pose import estimate, fit_head, rigid_error, to_frontal, to_image
+from visualspeech.face.head import PoseSettings, fit_head
+from visualspeech.face.pose import estimate, rigid_error, to_frontal, to_image
 from visualspeech.face.screening import track_screened
 from visualspeech.face.tracker import RIGID
 from visualspeech.media.reading import read_frames

@@ -377,6 +377,19 @@ def read_shapes(path: str | Path) -> dict[str, tuple[int, ...]]:
         raise _no_model(path, error) from error
 
 
+def read_model_settings(path: str | Path) -> dict:
+    """The settings that :func:`write_model` wrote, without reading the arrays; raises as :func:`read_model`."""
+    from safetensors import SafetensorError, safe_open
+
+    try:
+        with safe_open(str(path), framework="numpy") as file:
+            return json.loads((file.metadata() or {})["settings"])
+    except (OSError, SafetensorError, KeyError, ValueError) as error:
+        raise StorageError(
+            f"{path} is not a model of this project ({error!r}). Give the .safetensors file that a run has written."
+        ) from error
+
+
 def read_model_of(
     path: str | Path, what: str, kinds: Collection[str | None], arrays: Collection[str] = (), family: str = ""
 ) -> tuple[dict[str, np.ndarray], dict]:

@@ -80,7 +80,8 @@ def placed(appearance: np.ndarray, bundle: SpeakerBundle, scene: Scene, settings
     aam = bundle.speaker.aam
     shape = aam.shape_mean + appearance @ aam.shape_basis
     shape = shape + scene.clips @ bundle.background.shapes - aam.drift.shape
-    return place(scene.landmarks, shape, scene.pose, bundle.speaker.head, settings, rate=bundle.background.rate)
+    points, rate = bundle.speaker.reference.points, bundle.background.rate
+    return place(scene.landmarks, shape, scene.pose, bundle.speaker.head, points, settings, rate=rate)
 
 
 def speaking_frames(

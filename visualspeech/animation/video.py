@@ -20,8 +20,9 @@ from visualspeech.corpora.records import Utterance
 from visualspeech.errors import DataError
 from visualspeech.face.aam.model import Aam
 from visualspeech.face.aam.reference import Reference
-from visualspeech.face.drift import FaceReference, restore
+from visualspeech.face.drift import FaceReference
 from visualspeech.face.head import HeadModel
+from visualspeech.face.point_sets import to_vector
 from visualspeech.face.pose import Pose
 from visualspeech.features.resampling import resample
 from visualspeech.media.encoding import write_video
@@ -98,18 +99,18 @@ def synthetic_frames(
         The lengths differ.
     """
     appearance = np.asarray(appearance, np.float32)
-    shape = speaker.aam.shape_mean + appearance @ speaker.aam.shape_basis
-    shape = shape + (recording.drift.shape - speaker.aam.drift.shape)
-    placement = place(recording.landmarks, shape, recording.pose, speaker.head, settings, rate=rate)
+    shape = to_vector(speaker.aam.decode_points(appearance)) + (recording.drift.shape - speaker.aam.drift.shape)
+    points = speaker.reference.points
+    placement = place(recording.landmarks, shape, recording.pose, speaker.head, points, settings, rate=rate)
     textures = _textures(appearance, recording, speaker.aam)
     return talking_head(frames, placement, textures, speaker.reference, settings, rate=rate)
 
 
 def _textures(appearance: np.ndarray, recording: Recording, aam: Aam) -> Iterator[np.ndarray]:
-    """Textures with the light of the recording, a few decoded at a time: all of them would be 72 kB a frame."""
+    """Textures with the light of the recording, a few decoded at a time: all of them would be 72 kB per frame."""
+    light = recording.drift.texture - aam.drift.texture
     for start in range(0, len(appearance), 25):
-        decoded = aam.decode(appearance[start : start + 25])
-        yield from restore(*decoded, recording.drift, aam.drift)[1]
+        yield from aam.decode_texture(appearance[start : start + 25]) + light
 
 
 def side_by_side(panels: Sequence[Panel], label: bool = True) -> Iterator[np.ndarray]:

@@ -1,4 +1,4 @@
-"""What a tracker of landmarks is: the points that it finds, its settings, and how it is asked."""
+"""The interface of landmark trackers, their points and their settings."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -9,7 +9,7 @@ import numpy as np
 from visualspeech.fields import Settings, setting
 
 POINTS = 68
-# Points that the skull carries: bridge and base of the nose, corners of the eyes.
+# Landmarks that move with the skull only: bridge and base of the nose, corners of the eyes.
 RIGID = np.array([27, 28, 29, 30, 31, 32, 33, 34, 35, 36, 39, 42, 45])
 
 
@@ -72,7 +72,7 @@ class LandmarkSettings(Settings):
 
 
 class Tracker(Protocol):
-    """Follows one face through the frames of one recording; a fresh tracker is made for every recording."""
+    """Follows one face through the frames of one recording; one tracker is made per recording."""
 
     def next(self, frame: np.ndarray) -> np.ndarray | None:
         """The points (68, 2) in pixels of the next frame, (height, width, 3) uint8 RGB; None where there is no face."""

@@ -17,7 +17,7 @@ with (
         score(
             one.id,
             predicted_sequence(predictions.array(one.id, "appearance"), aam),
-            recorded_sequence(targets[one.id]),
+            recorded_sequence(targets[one.id], aam.points),
             targets.rate(one.id),
         )
         for one in of_split(read_utterances(snakemake.input.utterances), "test")

@@ -3,7 +3,7 @@ import numpy as np
 import pytest
 
 from tests.synthetic import hum
-from tests.unit.animation.faces import draw
+from tests.unit.animation.faces import POINTS, draw
 from tests.unit.face import heads
 from visualspeech.animation.video import (
     Panel,
@@ -18,11 +18,12 @@ from visualspeech.animation.video_settings import VideoSettings
 from visualspeech.corpora.records import Utterance
 from visualspeech.errors import DataError
 from visualspeech.face.aam.model import AamSettings, fit
-from visualspeech.face.aam.points import lower_face, to_vector
 from visualspeech.face.aam.reference import ReferenceSettings, fit_reference, sample_textures
 from visualspeech.face.aam.rows import ArrayRows
 from visualspeech.face.drift import FaceReference
-from visualspeech.face.pose import estimate, fit_head, to_frontal
+from visualspeech.face.head import fit_head
+from visualspeech.face.point_sets import to_vector
+from visualspeech.face.pose import estimate, to_frontal
 from visualspeech.media.encoding import write_video
 from visualspeech.media.reading import probe, read_audio, read_frames
 
@@ -35,13 +36,14 @@ def spoken(tmp_path_factory):
     write_video(path, (draw(points) for points in made.points), 25.0, hum(0.8, 48000), 48000)
     head = fit_head(made.points, heads.SIZE)
     pose = estimate(made.points, head, rate=25.0)
-    shapes = to_vector(lower_face(to_frontal(made.points, pose, head)))
-    reference = fit_reference([lower_face(to_frontal(made.points, pose, head))], ReferenceSettings(texture_pixels=2000))
-    textures = sample_textures(read_frames(path), lower_face(made.points), reference)
+    shapes = to_vector(POINTS.select(to_frontal(made.points, pose, head)))
+    frontal = POINTS.select(to_frontal(made.points, pose, head))
+    reference = fit_reference([frontal], POINTS, ReferenceSettings(texture_pixels=2000))
+    textures = sample_textures(read_frames(path), POINTS.select(made.points), reference)
     components = {"components": 6}
     settings = AamSettings(shape=components, texture=components, appearance={"components": 8})
     zero = FaceReference(np.zeros(102, np.float32), np.zeros(textures.shape[1], np.float32))
-    aam = fit(shapes, ArrayRows(textures.astype(np.float32)), settings, zero)
+    aam = fit(shapes, ArrayRows(textures.astype(np.float32)), POINTS, settings, zero)
     v = aam.encode(shapes, textures).appearance
     utterance = Utterance("a", "s1", str(path), "spoken words")
     return utterance, Recording(made.points, pose, zero), Speaker(head, aam, reference), v

@@ -7,7 +7,7 @@ import pytest
 from tests.unit.face.heads import CENTRE, FOCAL, SIZE, record
 from visualspeech.errors import DataError
 from visualspeech.face import pose as poses
-from visualspeech.face.head import HeadModel, PoseSettings
+from visualspeech.face.head import HeadModel, PoseSettings, fit_head
 from visualspeech.face.tracker import RIGID
 
 estimate = partial(poses.estimate, rate=25.0)
@@ -17,7 +17,7 @@ SHARP = PoseSettings(rotation_smoothing=0, translation_smoothing=0)
 @pytest.fixture(scope="module")
 def speaker():
     recording = record(250, seed=10, noise=0.3)
-    return recording, poses.fit_head(recording.points, SIZE)
+    return recording, fit_head(recording.points, SIZE)
 
 
 def true_head(recording) -> HeadModel:
@@ -129,14 +129,14 @@ def test_very_short_utterances_have_a_pose(speaker):
         estimate(recording.points[:, :20], head)
 
 
-def test_frontal_picture_shows_what_lies_at_the_landmarks(speaker):
+def test_frontal_image_shows_what_lies_at_the_landmarks(speaker):
     """A picture whose grey level is a smooth function of the place must show, at every frontal landmark, the grey level
     of the landmark in the picture."""
     recording, head = speaker
     pose = estimate(recording.points, head)
     down, across = np.indices((SIZE[1], SIZE[0]))
     frame = np.stack([across / 2, down / 2, (across + down) / 4], axis=-1).round().astype(np.uint8)
-    picture = poses.frontal_picture(frame, pose[7], head)
+    picture = poses.frontal_image(frame, pose[7], head)
     assert picture.shape == (head.size[1], head.size[0], 3) and picture.dtype == np.uint8
     frontal = poses.to_frontal(recording.points[7:8], pose[7], head)[0].round().astype(int)
     seen = picture[frontal[:, 1], frontal[:, 0]].astype(float)
