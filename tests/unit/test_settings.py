@@ -17,7 +17,7 @@ from visualspeech.models.baselines import BaselineSettings
 from visualspeech.models.training import TrainingSettings
 from visualspeech.schema import load_schema
 from visualspeech.settings import merged, model_names, resolve
-from visualspeech.speech.alignment import AlignmentSettings
+from visualspeech.speech.forced_alignment import AlignmentSettings
 
 CONFIG = REPOSITORY / "config"
 SECTIONS = {

@@ -4,7 +4,6 @@ from pathlib import Path
 
 import numpy as np
 import torch
-from visualspeech.features.richer import part_sizes
 
 from tests.unit.animation.faces import draw
 from tests.unit.face import heads
@@ -16,6 +15,7 @@ from visualspeech.face.aam.reference import ReferenceSettings, fit_reference, sa
 from visualspeech.face.aam.rows import ArrayRows
 from visualspeech.face.drift import FaceReference
 from visualspeech.face.pose import estimate, fit_head, to_frontal
+from visualspeech.features.label_parts import part_sizes
 from visualspeech.models.blstm import Stack, StackSettings
 from visualspeech.models.network import Network
 from visualspeech.provenance import file_digest

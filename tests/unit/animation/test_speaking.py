@@ -16,7 +16,6 @@ from visualspeech.face.aam.points import INNER_LIPS, to_points
 from visualspeech.features.resampling import resample
 from visualspeech.media.reading import probe, read_audio, read_frames
 from visualspeech.media.spooling import Spool
-from visualspeech.speech.alignment import to_table
 from visualspeech.speech.phones import PHONES
 from visualspeech.speech.spoken import Spoken, speak_text, timed
 from visualspeech.speech.spoken_settings import VoiceSettings
@@ -122,8 +121,8 @@ def test_a_network_for_other_phones_is_refused(bundle):
 
 
 def test_the_face_at_rest_is_that_of_silence_away_from_speech():
-    rows = to_table({"a": timed([("sil", 0, 0.4), ("aa", 0.4, 0.8), ("sil", 0.8, 1.2)])})
-    found = resting_frames(rows, 30, 25.0, after=0.11, before=0.31)
+    spoken = timed([("sil", 0, 0.4), ("aa", 0.4, 0.8), ("sil", 0.8, 1.2)])
+    found = resting_frames(spoken, 30, 25.0, after=0.11, before=0.31)
     times = (np.arange(30) + 0.5) / 25
     assert np.array_equal(found, (times < 0.09) | (times > 0.91))
     assert np.allclose(rest_of([np.ones((3, 2)), np.zeros((1, 2))]), 0.75)
@@ -132,8 +131,8 @@ def test_the_face_at_rest_is_that_of_silence_away_from_speech():
 
 
 def test_recordings_cut_close_to_the_speech_rest_where_they_can():
-    long = to_table({"a": timed([("sil", 0, 0.4), ("aa", 0.4, 0.8), ("sil", 0.8, 1.2)])})
-    close = to_table({"a": timed([("sil", 0, 0.2), ("aa", 0.2, 0.8), ("sil", 0.8, 1.0)])})
+    long = timed([("sil", 0, 0.4), ("aa", 0.4, 0.8), ("sil", 0.8, 1.2)])
+    close = timed([("sil", 0, 0.2), ("aa", 0.2, 0.8), ("sil", 0.8, 1.0)])
     seen, times = np.arange(30.0)[:, None], (np.arange(30) + 0.5) / 25
     assert np.allclose(resting_face(lambda: iter([(long, seen, 25.0)])), seen[times > 1.05].mean())
     near = (times < 0.08) | ((times > 0.92) & (times < 1.0))

@@ -1,12 +1,14 @@
 """Label parts: of a sentence labelled by hand, at the frames of the labels, and through a network that needs them."""
 
+from dataclasses import replace
+
 import numpy as np
-import pandas
 import pytest
-from visualspeech.features.richer import PARTS, full_labels, label_parts, part_sizes
 
 from tests.unit.models.examples import PHONES, utterances
+from tests.unit.speech.alignments import even_alignment
 from visualspeech.errors import DataError, SettingError
+from visualspeech.features.label_parts import PARTS, full_labels, label_parts, part_sizes
 from visualspeech.features.labels import label_indices
 from visualspeech.models.blstm import StackSettings
 from visualspeech.models.network import Network
@@ -16,19 +18,7 @@ WORDS = [("sil", ["sil"]), ("computer", "k ah m p y uw t er".split()), ("a", ["a
 
 
 def alignment(step=0.1):
-    """Every phone lasts ``step`` seconds."""
-    rows, time = [], 0.0
-    phones, states = [], []
-    for number, (word, spoken) in enumerate(WORDS):
-        rows.append(("word", number, -1, word, time, time + step * len(spoken)))
-        for phone in spoken:
-            for state in range(3):
-                third = (time + state * step / 3, time + (state + 1) * step / 3)
-                states.append(("state", len(states), len(phones), str(state + 1), *third))
-            phones.append(("phone", len(phones), number, phone, time, time + step))
-            time += step
-    columns = ["tier", "index", "parent", "label", "start", "end"]
-    return pandas.DataFrame([*rows, *phones, *states], columns=columns)
+    return even_alignment(WORDS, step)
 
 
 def test_a_sentence_by_hand():
@@ -42,30 +32,28 @@ def test_a_sentence_by_hand():
 
 
 def test_parts_change_where_the_phones_do():
-    rows, frames, rate = alignment(0.07), 25, 30.0
+    spoken, frames, rate = alignment(0.07), 25, 30.0
     given = {"computer": [0, 2, 0], "a": [2]}
-    parts = label_parts(rows, frames, rate, ["stress", "position_in_word"], given)
-    phone_tier = rows[rows["tier"] == "phone"]
+    parts = label_parts(spoken, frames, rate, ["stress", "position_in_word"], given)
     for frame in range(frames):
-        time = min((frame + 0.5) / rate, phone_tier["end"].max() - 1e-9)
-        phone = phone_tier[(phone_tier["start"] <= time + 1e-12) & (time < phone_tier["end"])].iloc[-1]
-        first = phone["parent"] == 1 and phone["index"] == 1
-        assert (parts[frame, 1] == 1) == first
-        assert (parts[frame, 0] == 0) == (phone["label"] == "sil")
+        time = min((frame + 0.5) / rate, spoken.duration - 1e-9)
+        number = max(at for at, phone in enumerate(spoken.phones) if phone.start <= time + 1e-12)
+        assert (parts[frame, 1] == 1) == (number == 1)
+        assert (parts[frame, 0] == 0) == (spoken.phones[number].label == "sil")
     phones = ["sil", *sorted({phone for _, spoken in WORDS for phone in spoken} - {"sil"})]
-    joined = full_labels(rows, frames, rate, phones, ["stress"])
-    np.testing.assert_array_equal(joined[:, :4], label_indices(rows, frames, rate, phones))
+    joined = full_labels(spoken, frames, rate, phones, ["stress"])
+    np.testing.assert_array_equal(joined[:, :4], label_indices(spoken, frames, rate, phones))
     assert joined.shape == (frames, 5) and joined.dtype == np.int16
-    assert full_labels(rows, frames, rate, phones, []).shape == (frames, 4)
+    assert full_labels(spoken, frames, rate, phones, []).shape == (frames, 4)
 
 
 def test_mistakes_are_named():
     with pytest.raises(SettingError, match="tone` is unknown.*stress"):
         part_sizes(["tone"])
-    rows = alignment()
-    rows.loc[rows["tier"] == "phone", "parent"] = 9
+    spoken = alignment()
+    phones = tuple(replace(phone, parent=9) for phone in spoken.phones)
     with pytest.raises(DataError, match="align again"):
-        label_parts(rows, 5, 25.0, ["stress"], {})
+        label_parts(replace(spoken, phones=phones), 5, 25.0, ["stress"], {})
 
 
 def rich_utterances(number, seed):

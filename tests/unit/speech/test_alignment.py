@@ -1,156 +1,103 @@
-"""Forced alignment of synthetic speech, whose true times are known, and its refusals."""
+"""The files of alignments, and the frames of silence."""
 
-import numpy as np
+import time
+from dataclasses import replace
+
 import pytest
-from scipy.signal import resample_poly
 
-from visualspeech.errors import DataError, RejectedUtterance, SettingError
-from visualspeech.speech.alignment import Aligner, AlignmentSettings, align, from_table, read_alignments, to_table
-from visualspeech.speech.tts import synthesise
+from tests.unit.speech.alignments import even_alignment
+from visualspeech.errors import StorageError
+from visualspeech.speech.alignment import read_alignments, silent_frames, to_table
 from visualspeech.storage import write_table
 
-SENTENCES = (
-    "Please bring my blue boat back before noon.",
-    "His father thinks the weather is rather wild.",
-    "Five foxes found very few vegetables.",
-    "Joyce chose cheese and juice for lunch.",
-)
-RATE = 16000
+ALIGNMENT = even_alignment([("sil", ["sil"]), ("null", ["n", "ah", "l"]), ("a", ["ah"]), ("sil", ["sil"])], 0.07)
+NAMED = {
+    "z1": ALIGNMENT,
+    "007": even_alignment([("sil", ["sil"])], 1.0),
+    "b": even_alignment([("1", ["w", "ah", "n"])]),
+}
 
 
-def at_16k(speech):
-    samples = resample_poly(speech.samples.astype(float), RATE, speech.rate)
-    return np.clip(np.round(samples), -32768, 32767).astype(np.int16)
+def written(tmp_path, change=lambda table: table, named=NAMED):
+    write_table(tmp_path / "alignment.tsv", change(to_table(named)))
+    return tmp_path / "alignment.tsv"
 
 
-@pytest.fixture(scope="module")
-def spoken():
-    return {text: synthesise(text) for text in SENTENCES}
+def test_files_read_back_the_same_in_their_order(tmp_path):
+    found = read_alignments(written(tmp_path))
+    assert found == NAMED and list(found) == list(NAMED)
+    assert isinstance(found["b"].words[0].start, float) and isinstance(found["b"].phones[0].parent, int)
+    assert read_alignments(written(tmp_path, named={})) == {}
 
 
-@pytest.fixture(scope="module")
-def sounds(spoken):
-    return {text: at_16k(speech) for text, speech in spoken.items()}
+def test_some_utterances(tmp_path):
+    found = read_alignments(written(tmp_path), {"b", "007", "unknown"})
+    assert found == {name: NAMED[name] for name in ("007", "b")}
+    assert read_alignments(written(tmp_path), []) == {}
 
 
-@pytest.fixture(scope="module")
-def alignments(sounds):
-    aligner = Aligner()
-    return {text: aligner.align(samples, text) for text, samples in sounds.items()}
+def test_the_order_of_rows_does_not_matter(tmp_path):
+    assert read_alignments(written(tmp_path, lambda table: table.sample(frac=1, random_state=1))) == NAMED
 
 
-def test_times_against_the_synthesiser_s_own(spoken, alignments):
-    words, phones = [], []
-    for text, alignment in alignments.items():
-        found = [word for word in alignment.words if word.label != "sil"]
-        assert [word.label for word in found] == [word for word, *_ in spoken[text].words]
-        words += [(a.start - b[1], a.end - b[2]) for a, b in zip(found, spoken[text].words, strict=True)]
-        found = [phone for phone in alignment.phones if phone.label != "sil"]
-        true = [phone for phone in spoken[text].phones if phone[0] != "sil"]
-        if [phone.label for phone in found] == [phone[0] for phone in true]:
-            phones += [a.start - b[1] for a, b in zip(found, true, strict=True)]
-    assert np.median(np.abs(words)) < 0.015
-    assert len(phones) > 20
-    assert np.median(np.abs(phones)) < 0.015
-    assert abs(np.median(phones)) < 0.006  # without the middle of the frames it is 8 ms early
+def changed(tier, column, value, row=1):
+    def change(table):
+        at = table[(table["id"] == "z1") & (table["tier"] == tier)].index[row]
+        table = table.astype({column: object})
+        table.loc[at, column] = value
+        return table
 
-
-def test_tiers_are_whole_and_nested(sounds, alignments):
-    for text, alignment in alignments.items():
-        for tier in ("word", "phone", "state"):
-            segments = alignment.tier(tier)
-            assert segments[0].start == 0
-            assert segments[-1].end == pytest.approx(len(sounds[text]) / RATE, abs=1e-5)
-            assert all(one.end == two.start for one, two in zip(segments, segments[1:], strict=False))
-            assert all(one.start < one.end for one in segments)
-        for above, below in (("word", "phone"), ("phone", "state")):
-            parents = alignment.tier(above)
-            for one in alignment.tier(below):
-                assert parents[one.parent].start <= one.start < one.end <= parents[one.parent].end
-        assert [state.label for state in alignment.states] == ["1", "2", "3"] * len(alignment.phones)
-        assert [state.parent for state in alignment.states] == list(np.repeat(range(len(alignment.phones)), 3))
-
-
-def test_the_answer_does_not_depend_on_what_came_before(sounds, alignments):
-    aligner = Aligner()
-    assert {text: aligner.align(sounds[text], text) for text in SENTENCES[::-1]} == alignments
-
-
-def test_leading_silence_only_moves_the_times(sounds, alignments):
-    text = SENTENCES[1]
-    quiet = np.round(np.random.default_rng(0).normal(0, 3, 8000)).astype(np.int16)
-    later = align(np.concatenate([quiet, sounds[text]]), text)
-    one, two = ([word for word in each.words if word.label != "sil"] for each in (alignments[text], later))
-    assert np.median([abs(b.start - a.start - 0.5) for a, b in zip(one, two, strict=True)]) < 0.011
-
-
-def test_words_that_no_dictionary_lists(sounds):
-    text = "Please bring my bloo boat bakk before noon."
-    alignment = align(sounds[SENTENCES[0]], text)
-    assert [word for word, _ in alignment.guessed] == ["bloo", "bakk"]
-    assert "bloo" in [word.label for word in alignment.words]
-
-
-@pytest.mark.parametrize("wrong", [1, 2, 3])
-def test_another_sentence_is_refused(sounds, wrong):
-    with pytest.raises(RejectedUtterance, match="is not") as refusal:
-        align(sounds[SENTENCES[0]], SENTENCES[wrong])
-    assert "correct the transcript" in refusal.value.remedy
-
-
-def test_a_sentence_of_which_half_is_missing_is_refused(sounds):
-    text = SENTENCES[0]
-    with pytest.raises(RejectedUtterance):
-        align(sounds[text][: len(sounds[text]) // 2], text)
+    return change
 
 
 @pytest.mark.parametrize(
-    ("noise", "tone", "reason"),
-    [(0, 0, "no speech"), (4, 0, "no speech"), (2000, 0, "no speech|is not"), (1, 3000, "no speech|is not")],
-)
-def test_sound_without_speech_is_refused(noise, tone, reason):
-    times = np.arange(3 * RATE) / RATE
-    sound = np.random.default_rng(0).normal(0, noise, len(times)) + tone * np.sin(2 * np.pi * 440 * times)
-    with pytest.raises(RejectedUtterance, match=reason):
-        align(np.round(sound).astype(np.int16), SENTENCES[0])
-
-
-@pytest.mark.parametrize(
-    ("samples", "transcript", "reason"),
+    ("change", "reason"),
     [
-        (np.ones(RATE, np.int16), " ... ", "empty"),
-        (np.ones(800, np.int16), "far too many words for this", "do not fit|no speech"),
-        (np.zeros(0, np.int16), "hello", "no speech"),
-        (np.ones(RATE, np.int16), "☃ 你", "pronunciation|empty"),
-        (np.ones(200 * RATE, np.int16), "hello", "too long"),
+        (changed("word", "tier", "syllable"), r"line 3 \(utterance z1, tier syllable\): the tier must be one of word"),
+        (changed("phone", "start", "early"), "line 7 .*must be numbers"),
+        (changed("phone", "end", ""), "must be numbers"),
+        (changed("phone", "end", "inf"), "must be numbers"),
+        (changed("phone", "parent", 0.5), "whole numbers"),
+        (changed("phone", "end", 0.01), "ends before it starts"),
+        (changed("state", "label", "4"), "a number from 1 to 3"),
+        (changed("phone", "index", 7), "must number the segments"),
+        (changed("phone", "index", 0), "must number the segments"),
+        (changed("word", "parent", 0), "no segment of the tier above"),
+        (changed("phone", "parent", -1), "no segment of the tier above"),
+        (changed("state", "parent", 6), "no segment of the tier above"),
+        (changed("state", "start", 0.03), "does not start where"),
+        (lambda table: table.drop(columns="parent"), "no column parent"),
+        (
+            lambda table: table[(table["id"] != "007") | (table["tier"] != "state")],
+            "utterance 007 has no .* tier state",
+        ),
     ],
 )
-def test_what_cannot_be_aligned_is_refused(samples, transcript, reason):
-    with pytest.raises(RejectedUtterance, match=reason) as refusal:
-        align(samples, transcript)
-    assert refusal.value.remedy
+def test_rows_that_do_not_fit_are_named(tmp_path, change, reason):
+    path = written(tmp_path, change)
+    with pytest.raises(StorageError, match=reason) as error:
+        read_alignments(path)
+    assert str(path) in str(error.value) and "run again" in str(error.value)
 
 
-def test_mistaken_arguments():
-    with pytest.raises(DataError, match="int16"):
-        align(np.zeros(RATE), "hello")
-    with pytest.raises(SettingError, match="alignment.pause"):
-        AlignmentSettings(pause_probability=2.0)
-    with pytest.raises(SettingError, match="alignment.max_short_phone_share"):
-        AlignmentSettings(max_short_phone_share=0.0)
+def test_missing_files_and_other_files(tmp_path):
+    with pytest.raises(StorageError, match="nothing.tsv"):
+        read_alignments(tmp_path / "nothing.tsv")
+    (tmp_path / "other.tsv").write_text("phone\nsil\n")
+    with pytest.raises(StorageError, match="other.tsv: it has no column id"):
+        read_alignments(tmp_path / "other.tsv")
 
 
-def test_tables_read_back_the_same(alignments, tmp_path):
-    named = {f"u{i}": alignment for i, alignment in enumerate(alignments.values())}
-    path = tmp_path / "alignment.tsv"
-    write_table(path, to_table(named))
-    assert dict(read_alignments(path)) == named
-    assert from_table(to_table(named), "u1") == named["u1"]
-    assert list(read_alignments(_empty(path))) == []
-    with pytest.raises(DataError, match="no utterance u9"):
-        from_table(to_table(named), "u9")
+def test_a_thousand_utterances_are_read_at_once(tmp_path):
+    long = even_alignment([(f"w{number}", ["b", "aa", "t"]) for number in range(8)])
+    path = written(tmp_path, named={f"u{number}": long for number in range(1000)})
+    start = time.process_time()
+    assert len(read_alignments(path)) == 1000
+    assert time.process_time() - start < 10
 
 
-def _empty(path):
-    write_table(path, to_table({}))
-    return path
+def test_silent_frames_are_those_of_the_pauses():
+    assert silent_frames(ALIGNMENT, 5, 10.0).tolist() == [True, False, False, False, True]
+    # Frames beyond the end belong to the last phone.
+    assert silent_frames(ALIGNMENT, 8, 10.0).tolist() == [True, *[False] * 3, *[True] * 4]
+    assert not silent_frames(replace(ALIGNMENT, phones=ALIGNMENT.phones[1:3]), 4, 10.0).any()

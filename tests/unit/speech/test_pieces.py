@@ -8,7 +8,7 @@ from scipy.signal import resample_poly
 
 from visualspeech.errors import RejectedUtterance
 from visualspeech.speech import pieces
-from visualspeech.speech.alignment import pronounced
+from visualspeech.speech.forced_alignment import pronounced
 from visualspeech.speech.lexicon import Lexicon
 from visualspeech.speech.pieces import align_pieces, recognised_pieces
 from visualspeech.speech.recognition import RATE

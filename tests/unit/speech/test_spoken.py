@@ -4,7 +4,6 @@ import pytest
 from visualspeech.errors import SettingError
 from visualspeech.features.labels import label_indices
 from visualspeech.media.reading import read_audio
-from visualspeech.speech.alignment import to_table
 from visualspeech.speech.phones import PHONES, SILENCE
 from visualspeech.speech.spoken import THIRDS, speak_recording, speak_text, state_shares, timed
 from visualspeech.speech.spoken_settings import VoiceSettings
@@ -51,11 +50,10 @@ def test_states_take_their_average_shares():
     assert np.allclose([s.start for s in alignment.states], [0, 0.1, 0.2, 0.3, 0.4, 0.65, 0.8, 0.9, 1.0])
     assert [(w.label, w.start, w.end) for w in alignment.words] == [("sil", 0, 0.3), ("ab", 0.3, 1.1)]
     assert [p.parent for p in alignment.phones] == [0, 1, 1]
-    rows = to_table({"a": alignment})
-    shares = state_shares([rows, to_table({"b": alignment})])
+    shares = state_shares(iter([alignment, alignment]))
     assert shares["aa"] == pytest.approx((0.2, 0.5, 0.3)) and shares["b"] == pytest.approx(THIRDS)
     assert shares["sil"] == THIRDS
-    labels = label_indices(rows, 11, 10.0, PHONES)
+    labels = label_indices(alignment, 11, 10.0, PHONES)
     assert [PHONES[i] for i in labels[:, 1]] == ["sil"] * 3 + ["aa"] * 5 + ["b"] * 3
     assert labels[3:8, 3].tolist() == [0, 1, 1, 2, 2]
 

@@ -1,6 +1,7 @@
 import numpy as np
+import pytest
 
-from visualspeech.models.hmm.questions import phone_sets, questions
+from visualspeech.models.hmm.questions import phone_sets, position_names, questions
 from visualspeech.speech.phones import CLASSES, PHONES
 
 
@@ -21,8 +22,8 @@ def test_sets_are_the_classes_and_none_twice():
 
 def test_answers():
     asked = questions(("sil", "aa", "b", "m"))
-    triphones = np.array([[0, 1, 2], [2, 1, 0]])
-    answer = dict(zip(asked.names, asked.answers(triphones).tolist(), strict=True))
+    contexts = np.array([[0, 1, 2], [2, 1, 0]])
+    answer = dict(zip(asked.names, asked.answers(contexts).tolist(), strict=True))
     assert answer["right bilabial"] == [True, False]
     assert answer["left bilabial"] == [False, True]
     assert answer["current vowel"] == [True, True]
@@ -30,3 +31,25 @@ def test_answers():
 
 def test_an_inventory_of_other_phones_still_has_questions():
     assert len(questions(("sil", "x1", "x2")).names) == 9
+
+
+@pytest.mark.parametrize(
+    ("columns", "centre", "names"),
+    [
+        (1, 0, ["current"]),
+        (3, 1, ["left", "current", "right"]),
+        (5, 2, ["left 2", "left", "current", "right", "right 2"]),
+        (4, 0, ["current", "right", "right 2", "right 3"]),
+    ],
+)
+def test_columns_have_names(columns, centre, names):
+    assert position_names(columns, centre) == names
+    asked = questions(("sil", "aa", "b"), columns, centre)
+    assert asked.names[0].startswith(names[0]) and len(asked.names) == 3 * columns
+
+
+def test_quinphones_are_asked_about_their_outer_phones():
+    asked = questions(("sil", "aa", "b", "m"), 5, 2)
+    answer = dict(zip(asked.names, asked.answers(np.array([[2, 0, 1, 0, 3], [0, 2, 1, 3, 0]])).tolist(), strict=True))
+    assert answer["left 2 bilabial"] == [True, False] and answer["left bilabial"] == [False, True]
+    assert answer["right 2 nasal"] == [True, False] and answer["right nasal"] == [False, True]

@@ -1,35 +1,44 @@
 import numpy as np
-import pandas
 import pytest
 
 from visualspeech.errors import DataError
 from visualspeech.models.hmm.segments import PhoneTrack, phone_track
+from visualspeech.speech.spoken import timed
 
 PHONES = ("sil", "aa", "b")
-
-
-def rows(*spoken):
-    return pandas.DataFrame(
-        [{"tier": "phone", "index": at, "label": label, "start": start} for at, (label, start) in enumerate(spoken)]
-    )
+ALIGNMENT = timed([("b", 0.0, 0.1), ("aa", 0.1, 0.25), ("sil", 0.25, 0.4)])
 
 
 def test_neighbours_and_starts():
-    track = phone_track(rows(("b", 0.0), ("aa", 0.1), ("sil", 0.25)), PHONES)
-    assert track.triphones.tolist() == [[0, 2, 1], [2, 1, 0], [1, 0, 0]]
+    track = phone_track(ALIGNMENT, PHONES)
+    assert track.contexts.tolist() == [[0, 2, 1], [2, 1, 0], [1, 0, 0]]
     assert track.starts.tolist() == [0.0, 0.1, 0.25]
+    assert track.layout == (3, 1)
+
+
+def test_neighbours_on_either_side():
+    track = phone_track(ALIGNMENT, PHONES, before=2, after=1)
+    assert track.contexts.tolist() == [[0, 0, 2, 1], [0, 2, 1, 0], [2, 1, 0, 0]]
+    assert track.layout == (4, 2)
 
 
 def test_runs_leave_out_a_phone_between_two_frames():
-    track = PhoneTrack(np.array([[0, 0, 2], [0, 2, 1], [2, 1, 0]]), np.array([0.0, 0.025, 0.055]))
-    triphones, lengths = track.runs(4, 25.0)
-    assert (triphones.tolist(), lengths.tolist()) == ([[0, 0, 2], [2, 1, 0]], [1, 3])
-    triphones, lengths = track.runs(10, 100.0)
-    assert (triphones[:, 1].tolist(), lengths.tolist()) == ([0, 2, 1], [2, 3, 5])
+    track = PhoneTrack(np.array([[0, 0, 2], [0, 2, 1], [2, 1, 0]]), np.array([0.0, 0.025, 0.055]), 1)
+    contexts, lengths = track.runs(4, 25.0)
+    assert (contexts.tolist(), lengths.tolist()) == ([[0, 0, 2], [2, 1, 0]], [1, 3])
+    contexts, lengths = track.runs(10, 100.0)
+    assert (contexts[:, 1].tolist(), lengths.tolist()) == ([0, 2, 1], [2, 3, 5])
 
 
-@pytest.mark.parametrize("spoken", [[("zh", 0.0)], []])
-def test_phones_that_a_model_does_not_know(spoken):
-    table = rows(*spoken) if spoken else pandas.DataFrame(columns=["tier", "index", "label", "start"])
-    with pytest.raises(DataError, match="alignment holds"):
-        phone_track(table, PHONES)
+def test_phones_that_a_model_does_not_have():
+    with pytest.raises(DataError, match="does not have zh"):
+        phone_track(timed([("zh", 0.0, 0.1)]), PHONES)
+
+
+@pytest.mark.parametrize(
+    ("contexts", "starts", "centre"),
+    [(np.zeros((2, 3), int), [0.0], 1), (np.zeros((2, 3), int), [0.0, 0.1], 3), (np.zeros((0, 3), int), [], 1)],
+)
+def test_arrays_that_do_not_fit_each_other(contexts, starts, centre):
+    with pytest.raises(DataError, match="do not fit starts of shape"):
+        PhoneTrack(contexts, np.array(starts), centre)

@@ -6,10 +6,13 @@ import pytest
 from tests.unit.models.hmm.speech import PHONES, utterances
 from visualspeech.errors import DataError, SettingError, StorageError
 from visualspeech.models.hmm.chains import even_states
+from visualspeech.models.hmm.mge import refine
 from visualspeech.models.hmm.model import Hmm, HmmSettings
+from visualspeech.models.hmm.segments import PhoneTrack
 from visualspeech.models.hmm.statistics import Gaussians, accumulate, prepare
 from visualspeech.models.hmm.training import fit_monophones, fit_tied
 from visualspeech.models.hmm.tying import monophones
+from visualspeech.speech.phones import PHONES as PHONE_SET
 
 SMALL = HmmSettings(states=3, rate=50.0, min_frames=4, mdl_factor=0.5)
 TRAINING, TEST = utterances(30), utterances(10, seed=7)
@@ -42,13 +45,13 @@ def test_baum_welch_never_lowers_the_likelihood(monophone, tied):
 
 def test_even_start_against_means_frame_by_frame():
     tying = monophones(len(PHONES), 3)
-    stay = np.full((len(PHONES), 3), 0.5)
-    sums = accumulate(TRAINING, tying.find, tying.gaussians, None, stay, 50.0, 2)
+    self_transition = np.full((len(PHONES), 3), 0.5)
+    sums = accumulate(TRAINING, tying.find, tying.gaussians, None, self_transition, 50.0, 2)
     groups = {}
     for example in TRAINING:
         one = prepare(example, 50.0, 2)
-        phones = np.repeat(one.triphones[:, 1], one.lengths)
-        for phone, state, seen in zip(phones, even_states(one.lengths, 3), one.seen, strict=True):
+        phones = np.repeat(one.phones, one.lengths)
+        for phone, state, seen in zip(phones, even_states(one.lengths, 3), one.observed, strict=True):
             groups.setdefault(3 * phone + state, []).append(seen)
     prior = Gaussians(np.zeros((18, 6)), np.ones((18, 6)), np.ones(18), np.ones(18))
     found = sums.gaussians(np.zeros(6), prior, weight=0)
@@ -73,7 +76,7 @@ def test_tied_triphones_beat_monophones_and_those_the_mean(monophone, tied):
     mean = np.mean([np.mean((seen - values.mean(axis=0)) ** 2) for _, seen, _ in TEST])
     assert error(tied) < 0.9 * error(monophone) < 0.9 * 0.7 * mean
     assert monophone.tying.gaussians == len(PHONES) * 3
-    assert tied.tying.gaussians < 3 * tied.about["triphones"]
+    assert tied.tying.gaussians < 3 * tied.about["contexts"]
 
 
 def test_same_input_same_bytes(tied, tmp_path):
@@ -111,15 +114,67 @@ def test_data_that_does_not_fit(tied):
     with pytest.raises(DataError, match="no training utterance"):
         fit_monophones([], PHONES, SMALL)
     track, seen, rate = TRAINING[0]
-    with pytest.raises(DataError, match="no number"):
+    with pytest.raises(DataError, match="not finite"):
         fit_monophones([(track, seen * np.nan, rate)], PHONES, SMALL)
-    with pytest.raises(DataError, match="does not have"):
+    with pytest.raises(DataError, match="not among the 2 phones"):
         replace(tied, phones=PHONES[:2]).predict(track, 5, rate)
     with pytest.raises(DataError, match="no frame"):
         tied.predict(track, 0, rate)
+    wide = utterances(2, neighbours=2)
+    with pytest.raises(DataError, match="5 columns, the phone in column 2; those of the HMMs have 3"):
+        tied.predict(wide[0][0], 5, rate)
+    with pytest.raises(DataError, match="differ in the layout"):
+        fit_monophones([*TRAINING[:2], *wide], PHONES, SMALL)
+    with pytest.raises(DataError, match="contexts of 3 columns, the utterances have 5"):
+        fit_tied(fit_monophones(TRAINING[:2], PHONES, SMALL), wide)
 
 
 @pytest.mark.parametrize("change", [{"states": 0}, {"rate": 0}, {"mdl_factor": -1}, {"mge_epochs": 0}])
 def test_settings_out_of_range_are_named(change):
     with pytest.raises(SettingError, match=f"hmm.{next(iter(change))}"):
         HmmSettings(**change)
+
+
+def widened(examples, left, right):
+    """The same utterances with one more column on either side, which holds one phone throughout."""
+    for track, values, rate in examples:
+        count = len(track.contexts)
+        contexts = np.column_stack([np.full(count, left), track.contexts, np.full(count, right)])
+        yield PhoneTrack(contexts, track.starts, track.centre + 1), values, rate
+
+
+def test_outer_columns_of_one_phone_change_nothing(tied):
+    found = fit_tied(fit_monophones(list(widened(TRAINING, 2, 4)), PHONES, SMALL), list(widened(TRAINING, 2, 4)))
+    assert np.array_equal(found.tying.positions, tied.tying.positions + 1)
+    for name in ("roots", "members", "branches"):
+        assert np.array_equal(getattr(found.tying, name), getattr(tied.tying, name))
+    assert np.array_equal(found.gaussians.mean, tied.gaussians.mean)
+    for (track, values, rate), (wide, *_) in zip(TEST, widened(TEST, 2, 4), strict=True):
+        assert np.array_equal(found.predict(wide, len(values), rate), tied.predict(track, len(values), rate))
+
+
+def test_quinphones_train_tie_and_predict(tmp_path):
+    given = {"far": 0.6, "noise": 0.1}
+    narrow, wide, test = utterances(60, **given), utterances(60, neighbours=2, **given), utterances(10, 7, **given)
+    hmm = fit_tied(fit_monophones(wide, PHONES, SMALL), wide)
+    assert hmm.tying.layout == (5, 2) and 4 in hmm.tying.positions
+    beyond = utterances(10, 7, neighbours=2, **given)
+    triphone = fit_tied(fit_monophones(narrow, PHONES, SMALL), narrow)
+    assert error(hmm, beyond) < 0.9 * error(triphone, test)
+    hmm.save(tmp_path / "hmm.safetensors")
+    track, values, rate = beyond[0]
+    again = Hmm.load(tmp_path / "hmm.safetensors")
+    assert np.array_equal(again.predict(track, len(values), rate), hmm.predict(track, len(values), rate))
+    refined = refine(replace(hmm, settings=replace(SMALL, mge_epochs=1)), wide[:8], beyond)
+    assert refined.tying.layout == (5, 2) and np.isfinite(error(refined, beyond))
+
+
+def test_contexts_too_wide_to_number_as_digits():
+    """40 phones in 13 columns are more than 64 bits hold."""
+    generator = np.random.default_rng(0)
+    examples = [
+        (PhoneTrack(generator.integers(0, 40, (6, 13)).astype(np.int16), np.arange(6) * 0.2, 6), values, 25.0)
+        for values in generator.normal(size=(12, 30, 2))
+    ]
+    hmm = fit_tied(fit_monophones(examples, tuple(PHONE_SET), SMALL), examples)
+    assert np.isfinite(error(hmm, examples))

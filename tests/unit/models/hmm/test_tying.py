@@ -63,7 +63,7 @@ def test_trees_against_brute_force(mdl, least):
     triphones = all_triphones()
     frames = frames_of(triphones)
     asked = questions(PHONES)
-    tying = grow(cases_of(triphones, frames), asked, len(PHONES), 1, FLOOR, least, mdl)
+    tying = grow(cases_of(triphones, frames), asked, len(PHONES), 1, 1, FLOOR, least, mdl)
     cost = mdl * 2 * np.log(sum(map(len, frames)))
     expected = plain_tree(triphones, frames, asked, least, cost)
     found = tying.find(triphones)[:, 0]
@@ -75,7 +75,7 @@ def test_trees_against_brute_force(mdl, least):
 def test_triphones_never_seen_follow_their_answers():
     every = np.stack(np.meshgrid(*[np.arange(len(PHONES))] * 3, indexing="ij"), axis=-1).reshape(-1, 3)
     seen = every[np.arange(len(every)) % 7 > 0]
-    tying = grow(cases_of(seen, frames_of(seen)), questions(PHONES), len(PHONES), 1, FLOOR, 5, 1.0)
+    tying = grow(cases_of(seen, frames_of(seen)), questions(PHONES), len(PHONES), 1, 1, FLOOR, 5, 1.0)
     kind = 2 * (every[:, 1] == 1) + np.isin(every[:, 2], [2, 4])
     leaf = tying.find(every)[:, 0]
     assert len({(a, b) for a, b in zip(kind.tolist(), leaf.tolist(), strict=True)}) == 4
@@ -84,7 +84,7 @@ def test_triphones_never_seen_follow_their_answers():
 def test_a_tree_for_each_phone_never_mixes_phones():
     triphones = all_triphones(60)
     asked = questions(PHONES)
-    tying = grow(cases_of(triphones, frames_of(triphones)), asked, len(PHONES), 1, FLOOR, 5, 1.0, of_each_phone=True)
+    tying = grow(cases_of(triphones, frames_of(triphones)), asked, len(PHONES), 1, 1, FLOOR, 5, 1.0, of_each_phone=True)
     leaf = tying.find(triphones)[:, 0]
     for number in range(tying.gaussians):
         assert len(np.unique(triphones[leaf == number, 1])) <= 1
@@ -94,7 +94,7 @@ def test_states_have_trees_of_their_own():
     triphones = all_triphones(40)
     both = [cases_of(triphones, frames_of(triphones, seed), seed) for seed in (0, 1)]
     joined = Cases(*(np.concatenate([getattr(part, name) for part in both]) for name in Cases.__dataclass_fields__))
-    tying = grow(joined, questions(PHONES), len(PHONES), 2, FLOOR, 5)
+    tying = grow(joined, questions(PHONES), len(PHONES), 2, 1, FLOOR, 5)
     found = tying.find(triphones)
     assert not set(found[:, 0].tolist()) & set(found[:, 1].tolist())
     assert sorted(set(found.ravel().tolist())) == list(range(tying.gaussians))
@@ -108,3 +108,27 @@ def test_monophones():
 def test_log_likelihood_against_the_frames():
     rows = np.random.default_rng(0).normal(size=(50, 2)) * [1, 1e-4]
     assert np.isclose(log_likelihood(50.0, rows.sum(axis=0), (rows**2).sum(axis=0), FLOOR), plain_likelihood(rows))
+
+
+@pytest.mark.parametrize("of_each_phone", [False, True])
+def test_columns_that_never_change_leave_the_trees_as_they_are(of_each_phone):
+    triphones = all_triphones(60)
+    frames = frames_of(triphones)
+    wide = np.column_stack([np.full(len(triphones), 3), triphones, np.full(len(triphones), 1)])
+    narrow = grow(cases_of(triphones, frames), questions(PHONES), 5, 1, 1, FLOOR, 5, 0.3, of_each_phone)
+    found = grow(cases_of(wide, frames), questions(PHONES, 5, 2), 5, 1, 2, FLOOR, 5, 0.3, of_each_phone)
+    assert narrow.gaussians > 4 and found.layout == (5, 2)
+    assert np.array_equal(found.positions, narrow.positions + 1)
+    for name in ("roots", "members", "branches"):
+        assert np.array_equal(getattr(found, name), getattr(narrow, name))
+    assert np.array_equal(found.find(wide), narrow.find(triphones))
+
+
+def test_trees_of_quinphones_ask_about_the_outer_phones():
+    contexts = np.unique(np.random.default_rng(2).integers(0, len(PHONES), size=(80, 5)), axis=0)
+    generator = np.random.default_rng(0)
+    frames = [generator.normal(4.0 * (context[0] == 2), 0.5, size=(8, 2)) for context in contexts]
+    tying = grow(cases_of(contexts, frames), questions(PHONES, 5, 2), len(PHONES), 1, 2, FLOOR, 5, 1.0)
+    assert tying.gaussians == 2 and tying.positions.tolist() == [0]
+    leaf = tying.find(contexts)[:, 0]
+    assert np.array_equal(leaf == leaf[contexts[:, 0] == 2][0], contexts[:, 0] == 2)
