@@ -145,9 +145,9 @@ def test_mistaken_arguments():
     with pytest.raises(RejectedUtterance, match="does not exist"):
         align("nothing.wav", "hello")
     with pytest.raises(SettingError, match="alignment.pause"):
-        AlignmentSettings(pause=2.0)
-    with pytest.raises(SettingError, match="alignment.hasty"):
-        AlignmentSettings(hasty=0.0)
+        AlignmentSettings(pause_probability=2.0)
+    with pytest.raises(SettingError, match="alignment.max_short_phone_share"):
+        AlignmentSettings(max_short_phone_share=0.0)
 
 
 def test_a_recording_its_samples_and_their_16_bit_steps_align_the_same(sounds, alignments, tmp_path):
