@@ -155,5 +155,3 @@ def test_hidden_values_are_dropped_in_training_alone():
     assert not torch.equal(module(given), module(given))
     module.eval()
     assert torch.equal(module(given), module(given))
-
-
