@@ -1,4 +1,4 @@
-"""Label parts: of a sentence labelled by hand, at the frames of the labels, and through a network that needs them."""
+"""Label parts: of a sentence labelled by hand, and at the frames of the labels."""
 
 from dataclasses import replace
 
@@ -6,13 +6,15 @@ import numpy as np
 import pytest
 from visualspeech.models.blstm import StackSettings
 
-from tests.unit.models.examples import PHONES, utterances
 from tests.unit.speech.alignments import even_alignment
 from visualspeech.errors import DataError, SettingError
 from visualspeech.features.label_parts import PARTS, full_labels, label_parts, part_sizes
 from visualspeech.features.labels import label_indices
+<<<<<<< HEAD
 from visualspeech.models.network import Network
 from visualspeech.models.training import TrainingSettings, train
+=======
+>>>>>>> tests
 
 WORDS = [("sil", ["sil"]), ("computer", "k ah m p y uw t er".split()), ("a", ["ah"]), ("sil", ["sil"])]
 
@@ -54,6 +56,7 @@ def test_mistakes_are_named():
     phones = tuple(replace(phone, parent=9) for phone in spoken.phones)
     with pytest.raises(DataError, match="align again"):
         label_parts(replace(spoken, phones=phones), 5, 25.0, ["stress"], {})
+<<<<<<< HEAD
 
 
 def rich_utterances(number, seed):
@@ -98,3 +101,5 @@ def test_one_hot_blocks_lie_beside_each_other():
     found = stack.encode(torch.tensor(labels.astype(np.int64))).numpy()
     np.testing.assert_array_equal(found[:, :-4], one_hot(labels[:, :4], len(PHONES)))
     np.testing.assert_array_equal(found[:, -4:], np.eye(4)[labels[:, 4]])
+=======
+>>>>>>> tests
