@@ -28,7 +28,7 @@ FOLLOW = 0.5
 CONFIRM_PIXELS = 92
 CONFIRM_SIDES = 1.7
 # The face is known again by this many pixels a side.
-LIKENESS_PIXELS = 32
+THUMBNAIL_PIXELS = 32
 
 
 @functools.cache
@@ -66,7 +66,7 @@ class DlibTracker:
         self._frame += 1
         known = self._box is not None and not self._due()
         crop = self._face(grey) if known else None
-        if not known or not (self._alike(crop) or self._confirm(grey)):
+        if not known or not (self._similar(crop) or self._confirm(grey)):
             found = self._search(grey)
             if found is None and not (self._box is not None and self._confirm(grey)):
                 self._confirmed = None
@@ -78,7 +78,7 @@ class DlibTracker:
             self._confirmed = None
             crop = self._face(grey)
         if self._confirmed is None:
-            self._confirmed = _likeness(crop[0])
+            self._confirmed = _thumbnail(crop[0])
         points = self._predict(*crop)
         for number in range(1, self._settings.num_jitters):
             points = points + self._predict(*self._face(grey, _shaken(self._box, number)))
@@ -122,10 +122,10 @@ class DlibTracker:
         points = np.array([(part.x, part.y) for part in shape.parts()], float)
         return np.linalg.solve(matrix[:, :2], (points - matrix[:, 2]).T).T
 
-    def _alike(self, crop: tuple[np.ndarray, np.ndarray]) -> bool:
+    def _similar(self, crop: tuple[np.ndarray, np.ndarray]) -> bool:
         if self._confirmed is None:
             return False
-        return float((_likeness(crop[0]) * self._confirmed).mean()) >= self._settings.similarity_threshold
+        return float((_thumbnail(crop[0]) * self._confirmed).mean()) >= self._settings.similarity_threshold
 
     def _confirm(self, grey: np.ndarray) -> bool:
         crop = self._crop(grey, self._box, CONFIRM_PIXELS, CONFIRM_SIDES)[0]
@@ -174,9 +174,9 @@ def box_of(points: np.ndarray) -> np.ndarray:
     return np.array([*(centre + BOX_BELOW * radius * down), BOX_SIDE * radius, roll])
 
 
-def _likeness(crop: np.ndarray) -> np.ndarray:
+def _thumbnail(crop: np.ndarray) -> np.ndarray:
     """A coarse sample of the crop's pixels, normalised to mean 0 and standard deviation 1."""
-    step = max(len(crop) // LIKENESS_PIXELS, 1)
+    step = max(len(crop) // THUMBNAIL_PIXELS, 1)
     sample = crop[step // 2 :: step, step // 2 :: step].astype(float)
     return (sample - sample.mean()) / max(sample.std(), 1e-6)
 

@@ -1,14 +1,13 @@
 # What videos, preference tests and reports show.
 def shown_model(file):
     """Input function: a file of the model that a system's videos show."""
-    return lambda wildcards: filled(f"<model>/{file}", wildcards, model=system_of(wildcards)["videos"]["model"])
+    return lambda wildcards: filled(f"<model>/{file}", wildcards, model=system_of(wildcards)["videos"]["model"])[0]
 
 
 def of_head(wildcards):
     """The head of a corpus's one speaker."""
-    return filled(
-        "<corpus>/heads/{speaker}.safetensors", wildcards, speaker=list(PLAN.corpora[wildcards.corpus].speakers)[:1]
-    )
+    speaker, *_ = PLAN.corpora[wildcards.corpus].speakers
+    return filled("<corpus>/heads/{speaker}.safetensors", wildcards, speaker=speaker)[0]
 
 
 def names_of(wildcards):
@@ -20,7 +19,7 @@ def predictions_of(number):
     """Input function: predictions of the first or the second model of a system's preference test."""
     return lambda wildcards: filled(
         "<model>/predictions.h5", wildcards, model=system_of(wildcards)["preference"]["models"][number]
-    )
+    )[0]
 
 
 def of_preference(system):
@@ -30,7 +29,7 @@ def of_preference(system):
 
 def answers_of(wildcards):
     """The completed answer sheets of a preference test, or the blank one."""
-    return system_of(wildcards)["preference"]["answers"] or filled("<system>/preference/answers.tsv", wildcards)
+    return system_of(wildcards)["preference"]["answers"] or filled("<system>/preference/answers.tsv", wildcards)[0]
 
 
 def benchmarks_of(wildcards):
@@ -67,10 +66,10 @@ def reported(wildcards):
             "targets": shards("<system>/targets/{shard}.h5")(one),
             "rows": [row.plain() for row in curved_rows(one.system)],
             "curves": filled("<model>/learning_curve.tsv", one, model=[row.name for row in curved_rows(one.system)]),
-            "coding": of_coding("model.safetensors")(one)[0],
-            "reference": of_coding("reference.safetensors")(one)[0],
+            "coding": of_coding("model.safetensors")(one),
+            "reference": of_coding("reference.safetensors")(one),
             "model": system_of(one)["videos"]["model"],
-            "predictions": shown_model("predictions.h5")(one)[0],
+            "predictions": shown_model("predictions.h5")(one),
             "videos": filled("<system>/videos", one)[0],
         }
         for one in systems_of(wildcards)

@@ -18,7 +18,7 @@ def coding_of(wildcards):
 
 def of_coding(file):
     """Input function: a file of the visual coding of the job's system."""
-    return lambda wildcards: filled(f"<coding>/{file}", wildcards, coding=system_of(wildcards)["coding"])
+    return lambda wildcards: filled(f"<coding>/{file}", wildcards, coding=system_of(wildcards)["coding"])[0]
 
 
 def rows_of(system, roles=("model", "baseline", "floor")):
@@ -87,12 +87,12 @@ def points_code(script):
 
 
 def faces(wildcards):
-    """Files of the faces that a coding's parameters code, of the job's shard or of all."""
+    """The file of the faces that a coding's parameters code, of the job's shard; of all shards where it has none."""
     name = getattr(wildcards, "coding", None) or system_of(wildcards)["coding"]
-    folder = "fitted" if SETTINGS["codings"][name]["source"] == "fit" else "textures"
-    numbers = [wildcards.shard] if hasattr(wildcards, "shard") else PLAN.corpora[wildcards.corpus].shards
-    pattern = plain(f"<coding>/{folder}/{{shard}}.h5")
-    return expand(pattern, corpus=wildcards.corpus, coding=name, shard=numbers)
+    pattern = plain(f"<coding>/{'fitted' if SETTINGS['codings'][name]['source'] == 'fit' else 'textures'}/{{shard}}.h5")
+    if hasattr(wildcards, "shard"):
+        return pattern.format(corpus=wildcards.corpus, coding=name, shard=wildcards.shard)
+    return expand(pattern, corpus=wildcards.corpus, coding=name, shard=PLAN.corpora[wildcards.corpus].shards)
 
 
 TRAINED = one_of(row.name for name in SETTINGS["systems"] for row in rows_of(name, ("model", "baseline")))

@@ -109,7 +109,7 @@ rule tabulate_gains:
 rule tabulate_systems:
     input:
         utterances="<corpus>/utterances.tsv",
-        codings=of_systems(of_coding("model.safetensors")),
+        codings=of_systems(lambda wildcards: [of_coding("model.safetensors")(wildcards)]),
         statistics=of_systems(statistics_of()),
     output:
         multiext("<corpus>/tables/systems", *FORMS),
@@ -121,7 +121,7 @@ rule tabulate_systems:
                 "title": system_of(one)["title"] or one.system,
                 "rows": plain_rows()(one),
                 "statistics": statistics_of()(one),
-                "coding": of_coding("model.safetensors")(one)[0],
+                "coding": of_coding("model.safetensors")(one),
                 "facts": facts_of(one),
             }
             for one in systems_of(wildcards)
