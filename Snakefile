@@ -12,28 +12,29 @@ settle_environment(workflow.basedir)
 configfile: str(Path(workflow.basedir, "config", "config.yaml"))
 
 
-include: "workflow/rules/common.smk"
+include: "workflow/inputs/plan.smk"
 
 
-# Where results lie; every path in the rules begins with one of these.
+# Where results lie; every path in the rules begins with one of these. A wildcard inside a path variable is constrained here.
 pathvars:
     results=SETTINGS["results"],
-    corpus="<results>/{corpus}",
-    coding="<corpus>/codings/{coding}",
-    system="<corpus>/{system}",
+    corpus=f"<results>/{{corpus,{one_of(PLAN.corpora)}}}",
+    coding=f"<corpus>/codings/{{coding,{one_of(SETTINGS['codings'])}}}",
+    system=f"<corpus>/{{system,{one_of(SETTINGS['systems'])}}}",
     model="<system>/models/{model}",
 
 
 wildcard_constraints:
-    corpus=one_of(PLAN.corpora),
-    system=one_of(SETTINGS["systems"]),
-    coding=one_of(SETTINGS["codings"]),
     block=one_of(name for system in SETTINGS["systems"].values() for name in system["blocks"]),
-    model=one_of(row.name for name in SETTINGS["systems"] for row in rows_of(name)),
+    model=one_of(row["name"] for system in SETTINGS["systems"].values() for row in system["rows"]),
     speaker=one_of(name for corpus in PLAN.corpora.values() for name in corpus.speakers),
     shard=r"\d+",
 
 
+include: "workflow/inputs/systems.smk"
+include: "workflow/inputs/tables.smk"
+include: "workflow/inputs/report.smk"
+include: "workflow/inputs/speaking.smk"
 include: "workflow/rules/corpus.smk"
 include: "workflow/rules/demo.smk"
 include: "workflow/rules/alignment.smk"
@@ -107,7 +108,7 @@ rule features:
             path
             for corpus, system in PLAN.pairs
             for path in expand(
-                workflow.pathvars.apply("<system>/features/{block}/{shard}.h5"),
+                plain("<system>/features/{block}/{shard}.h5"),
                 corpus=corpus,
                 system=system,
                 block=blocks_read(system),

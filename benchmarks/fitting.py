@@ -17,10 +17,11 @@ from visualspeech.corpora.table import of_split, read_utterances
 from visualspeech.face.aam.fitting import FittingModel, FittingSettings, fit, follow
 from visualspeech.face.aam.fitting.faces import PoseView
 from visualspeech.face.aam.fitting.model import grey
-from visualspeech.face.aam.model import Aam, reference_face
-from visualspeech.face.aam.points import LIPS, NOSE, lower_face, to_points
+from visualspeech.face.aam.model import Aam
 from visualspeech.face.aam.reference import Reference
+from visualspeech.face.drift import reference_face
 from visualspeech.face.head import HeadModel
+from visualspeech.face.point_sets import to_points
 from visualspeech.face.pose import Pose
 from visualspeech.media.reading import read_frames
 from visualspeech.storage import ArrayCollection
@@ -28,8 +29,8 @@ from visualspeech.storage import ArrayCollection
 WAYS = (("alternating", fit), ("simultaneous", fit), ("project_out", fit), ("alternating", follow))
 
 
-def jitter(points: np.ndarray, part: slice) -> float:
-    return float(np.linalg.norm(np.diff(points[:, part], 2, axis=0), axis=-1).mean())
+def jitter(points: np.ndarray) -> float:
+    return float(np.linalg.norm(np.diff(points, 2, axis=0), axis=-1).mean())
 
 
 def main(results: str, experiment: str = "fan2015", count: str = "10") -> None:
@@ -49,8 +50,8 @@ def main(results: str, experiment: str = "fan2015", count: str = "10") -> None:
             pictures = [cv2.cvtColor(np.ascontiguousarray(frame), cv2.COLOR_RGB2GRAY) for frame in frames]
             own = reference_face(textures, one.id)
             shift = to_points(np.float64(own.shape - aam.drift.shape))
-            view = PoseView(Pose(pose.array(one.id, "rotation"), pose.array(one.id, "translation")), head, shift)
-            start = lower_face(np.float64(landmarks.array(one.id, "points")))
+            view = PoseView(Pose.read(pose, one.id), head, reference.points, shift)
+            start = reference.points.select(np.float64(landmarks.array(one.id, "points")))
             recordings.append((pictures, start, view, grey(own.texture - aam.drift.texture)))
     total = sum(len(pictures) for pictures, *_ in recordings)
     print(f"{len(recordings)} utterances, {total} frames, {reference.size} pixels, model's own residual", end=" ")
@@ -63,7 +64,8 @@ def main(results: str, experiment: str = "fan2015", count: str = "10") -> None:
         seconds = time.perf_counter() - made
         pairs = [(one.points, start) for one, (_, start, _, _) in zip(found, recordings, strict=True)]
         moved = np.mean([np.linalg.norm(a - b, axis=2).mean() for a, b in pairs])
-        steady = [[np.mean([jitter(p[k], part) for p in pairs]) for k in (1, 0)] for part in (NOSE, LIPS)]
+        region = reference.points.region
+        steady = [[np.mean([jitter(region(p[k], name)) for p in pairs]) for k in (1, 0)] for name in ("nose", "lips")]
         error, before, diverged, steps = (
             np.concatenate([getattr(one, name) for one in found])
             for name in ("error", "start_error", "diverged", "iterations")

@@ -12,14 +12,15 @@ import sys
 import time
 from pathlib import Path
 
+from visualspeech.models.hmm.examples import TimedExamples, read_tracks
+from visualspeech.models.hmm.variants import train_variant
+from visualspeech.models.names import HMMS
+
 from benchmarks.runs import alignment_files, rmse_and_corr
 from visualspeech.corpora.table import of_split, read_utterances
 from visualspeech.features.contexts import read_phones
-from visualspeech.models.hmm.examples import TimedExamples, read_tracks
 from visualspeech.models.hmm.mge import generation_error
 from visualspeech.models.hmm.model import HmmSettings
-from visualspeech.models.hmm.variants import train_variant
-from visualspeech.models.names import HMMS
 from visualspeech.storage import ArrayCollection
 
 

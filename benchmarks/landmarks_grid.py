@@ -45,7 +45,7 @@ def detect_every_frame(files, settings) -> float:
     """Frames a second when the face is searched for anew in every frame."""
     start, frames = time.process_time(), 0
     for file in files:
-        tracker = EveryFrame(settings)
+        tracker = EveryFrame(settings, 25.0)
         for frame in read_frames(file):
             tracker.next(frame)
             frames += 1

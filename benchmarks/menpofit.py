@@ -29,9 +29,9 @@ from visualspeech.face.aam.empca import em_pca, pca
 from visualspeech.face.aam.fitting import FittingModel, FittingSettings, fit
 from visualspeech.face.aam.fitting.mesh import Mesh
 from visualspeech.face.aam.fitting.shapes import ShapeSpace
-from visualspeech.face.aam.points import to_points, to_vector
 from visualspeech.face.aam.rows import ArrayRows
 from visualspeech.face.landmarks import track
+from visualspeech.face.point_sets import to_points, to_vector
 from visualspeech.media.reading import read_frames
 
 DIAGONAL, PIXELS = 100, 4100
@@ -46,7 +46,7 @@ def recordings(count: int):
     for path in sorted((grid_root() / "s1").glob("*.mpg")):
         frames = list(read_frames(path))
         try:
-            tracked = track(frames)
+            tracked = track(frames, rate=25.0)
         except RejectedUtterance:
             continue
         if tracked.detected.all():

@@ -17,8 +17,8 @@ import numpy as np
 from benchmarks.landmarks_grid import PARTS, jitter
 from tests.paths import grid_root
 from visualspeech.errors import RejectedUtterance
-from visualspeech.face.head import PoseSettings
-from visualspeech.face.pose import estimate, fit_head, rigid_error, to_frontal, to_image
+from visualspeech.face.head import PoseSettings, fit_head
+from visualspeech.face.pose import estimate, rigid_error, to_frontal, to_image
 from visualspeech.face.screening import track_screened
 from visualspeech.face.tracker import RIGID
 from visualspeech.media.reading import read_frames
@@ -59,6 +59,9 @@ def show(name: str, recordings: list[np.ndarray]) -> None:
     )
 
 
+RATE = 25.0  # Hz, of GRID
+
+
 def main() -> None:
     root = grid_root()
     if root is None:
@@ -67,7 +70,7 @@ def main() -> None:
     recordings = []
     for file in sorted((root / "s1").glob("*.mpg"))[::every]:
         try:
-            recordings.append(track_screened(read_frames(file), 25.0).points.astype(float))
+            recordings.append(track_screened(read_frames(file), RATE).points.astype(float))
         except RejectedUtterance as error:
             print(f"left out {file.stem}: {error.reason}")
     sample = np.concatenate([points[5::10] for points in recordings])
@@ -75,7 +78,7 @@ def main() -> None:
     head = fit_head(sample, (360, 288))
     fitted = time.process_time() - start
     start = time.process_time()
-    poses = [estimate(points, head) for points in recordings]
+    poses = [estimate(points, head, rate=RATE) for points in recordings]
     frontal = [to_frontal(points, pose, head) for points, pose in zip(recordings, poses, strict=True)]
     speed = sum(map(len, recordings)) / (time.process_time() - start)
     back = max(
@@ -93,12 +96,14 @@ def main() -> None:
     show("affine", [normalised_by_a_plane_map(points, goal, True) for points in recordings])
     for focal in (1.0, 4.0):
         other = fit_head(sample, (360, 288), replace(PoseSettings(), focal_length=focal))
-        show(f"focal {focal:g}", [to_frontal(points, estimate(points, other), other) for points in recordings])
-    for rotation, place in ((0.0, 0.0), (4.0, 1.0)):
+        show(
+            f"focal {focal:g}", [to_frontal(points, estimate(points, other, rate=RATE), other) for points in recordings]
+        )
+    for rotation, place in ((0.0, 0.0), (0.16, 0.04)):
         settings = replace(PoseSettings(), rotation_smoothing=rotation, translation_smoothing=place)
         show(
-            f"smoothed {rotation:g}, {place:g}",
-            [to_frontal(points, estimate(points, head, settings), head) for points in recordings],
+            f"smoothed {rotation:g}, {place:g} s",
+            [to_frontal(points, estimate(points, head, settings, rate=RATE), head) for points in recordings],
         )
 
 

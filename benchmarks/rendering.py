@@ -10,10 +10,9 @@ import time
 import cv2
 import numpy as np
 
-from tests.unit.animation.faces import draw, points68, reference
+from tests.unit.animation.faces import POINTS, draw, points68, reference
 from visualspeech.animation.rendering import Placement, talking_head
 from visualspeech.animation.video import Panel, side_by_side
-from visualspeech.face.aam.points import lower_face
 from visualspeech.face.aam.reference import sample_texture
 
 SIZES = ((360, 288), (720, 576))
@@ -32,12 +31,13 @@ def main() -> None:
             points68(scale * o, drop=scale * o / 2, scale=75 * scale, centre=(width / 2, 0.48 * height))
             for o in openings
         ]
-        placement = Placement(np.repeat(lower_face(closed)[None], count, 0), lower_face(np.stack(targets)))
+        placement = Placement(np.repeat(POINTS.select(closed)[None], count, 0), POINTS.select(np.stack(targets)))
         textures = [
-            sample_texture(draw(points, size=(width, height)), lower_face(points), texture_grid) for points in targets
+            sample_texture(draw(points, size=(width, height)), POINTS.select(points), texture_grid)
+            for points in targets
         ]
         start = time.process_time()
-        stream = talking_head((frame for _ in range(count)), placement, textures, texture_grid)
+        stream = talking_head((frame for _ in range(count)), placement, textures, texture_grid, rate=25.0)
         rendered = sum(1 for _ in side_by_side([Panel("prediction", stream)]))
         spent = time.process_time() - start
         print(f"{width} x {height}: {rendered / spent:.0f} frames/s a panel, {1000 * spent / rendered:.1f} ms a frame")

@@ -22,7 +22,6 @@ from visualspeech.animation.background import QUALITY, Background
 from visualspeech.animation.bundle import SpeakerBundle
 from visualspeech.animation.performance import REST, pause_weights, perform
 from visualspeech.animation.speaking import scene, speak
-from visualspeech.face.aam.points import INNER_LIPS, to_points
 from visualspeech.face.landmarks import track
 from visualspeech.media.reading import read_frames
 from visualspeech.speech.spoken import speak_text
@@ -140,8 +139,9 @@ def main() -> None:
     quiet = quiet[
         np.minimum((frame_times(len(frames), background.rate) * bundle.network.rate).astype(int), len(quiet) - 1)
     ]
-    tracked = opening(track(iter(frames)).points)
-    lips = to_points(bundle.speaker.aam.decode(bundle.rest[None])[0])[0, INNER_LIPS]
+    tracked = opening(track(iter(frames), rate=background.rate).points)
+    aam = bundle.speaker.aam
+    lips = aam.points.region(aam.decode_points(bundle.rest[None]), "inner_lips")[0]
     eyes = bundle.speaker.head.mean_points[[36, 45]]
     rest = 100 * np.linalg.norm(lips[6] - lips[2]) / np.linalg.norm(eyes[1] - eyes[0])
     print(

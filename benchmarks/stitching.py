@@ -19,49 +19,49 @@ import numpy as np
 from visualspeech.animation.rendering import place, prepare
 from visualspeech.animation.video import Recording, Speaker, synthetic_frames
 from visualspeech.corpora.table import of_split, read_utterances
-from visualspeech.face.aam.model import reference_face
-from visualspeech.face.aam.points import INNER_LIPS, LIPS, OUTLINE, TRACKED, to_points
 from visualspeech.face.aam.reference import sample_texture
+from visualspeech.face.drift import reference_face
 from visualspeech.face.landmarks import track
+from visualspeech.face.point_sets import PointSet, to_points
 from visualspeech.face.pose import Pose, to_frontal
 from visualspeech.media.reading import read_frames
 from visualspeech.storage import ArrayCollection
-
-UPPER, LOWER = INNER_LIPS.start + 2, INNER_LIPS.start + 6
 
 
 def flicker(values: np.ndarray) -> float:
     return float(np.sqrt((np.diff(values.astype(np.float32), 2, axis=0) ** 2).mean()))
 
 
-def around_jaw(placement, shape) -> np.ndarray:
+def around_jaw(placement, points: PointSet, shape) -> np.ndarray:
     """Mask of the pixels near the face but never on it, below the eyes."""
     face = np.zeros(shape, np.uint8)
-    for points in placement.recorded:
-        cv2.fillPoly(face, [np.rint(points[OUTLINE]).astype(np.int32)], 1)
-    wide = int(np.ptp(placement.recorded[:, :17, 0].mean(0)))
+    for recorded in placement.recorded:
+        cv2.fillPoly(face, [np.rint(recorded[points.outline]).astype(np.int32)], 1)
+    wide = int(np.ptp(placement.recorded[:, points.regions["jaw"], 0].mean(0)))
     ring = cv2.dilate(face, np.ones((wide // 2, wide // 2))) - cv2.dilate(face, np.ones((7, 7)))
     ring[: int(placement.recorded[:, 0, 1].min())] = 0
     return ring > 0
 
 
-def measure(utterance, recording, appearance, speaker) -> list[float]:
+def measure(utterance, recording, appearance, speaker, rate) -> list[float]:
     recorded = list(read_frames(utterance.media, utterance.start, utterance.end))
-    rendered = list(synthetic_frames(recorded, appearance, recording, speaker))
+    rendered = list(synthetic_frames(recorded, appearance, recording, speaker, rate=rate))
     shape = speaker.aam.decode(appearance)[0] + (recording.drift.shape - speaker.aam.drift.shape)
-    placement = place(recording.landmarks, shape, recording.pose, speaker.head)
+    points, size = speaker.reference.points, speaker.reference.points.size
+    placement = place(recording.landmarks, shape, recording.pose, speaker.head, points, rate=rate)
     opacity = prepare(speaker.reference).opacity[tuple(speaker.reference.pixels.T)]
     seam = np.tile((opacity > 0.02) & (opacity < 0.98), 3)
-    ring = around_jaw(placement, recorded[0].shape[:2])
+    ring = around_jaw(placement, points, recorded[0].shape[:2])
     before, after = (
-        np.stack([sample_texture(frame, points, speaker.reference)[seam] for frame, points in zip(*pair, strict=True)])
+        np.stack([sample_texture(frame, at[:size], speaker.reference)[seam] for frame, at in zip(*pair, strict=True)])
         for pair in ((recorded, placement.recorded), (rendered, placement.target))
     )
     outside, moved = (np.stack([frame[ring] for frame in frames]) for frames in (recorded, rendered))
-    seen = to_frontal(track(iter(rendered)).points.astype(float), recording.pose, speaker.head)[:, TRACKED]
-    target = to_points(shape)
-    opening, wanted = (points[:, LOWER, 1] - points[:, UPPER, 1] for points in (seen, target))
-    away = seen[:, LIPS].mean(1) - target[:, LIPS].mean(1)
+    tracked = track(iter(rendered), rate=rate).points.astype(float)
+    seen = points.select(to_frontal(tracked, recording.pose, speaker.head))
+    target, (upper, lower) = to_points(shape), points.mouth_middle
+    opening, wanted = (face[:, lower, 1] - face[:, upper, 1] for face in (seen, target))
+    away = points.region(seen, "lips").mean(1) - points.region(target, "lips").mean(1)
     third = max(1, len(away) // 3)
     return [
         flicker(after) / flicker(before),
@@ -93,7 +93,7 @@ def main() -> None:
             appearance = parameters.array(source, "appearance")
             if name == "other mouth":
                 appearance = appearance[np.minimum(np.arange(len(pose)), len(appearance) - 1)]
-            results[name].append(measure(one, recording, appearance, speaker))
+            results[name].append(measure(one, recording, appearance, speaker, landmarks.rate(one.id)))
     for name, rows in results.items():
         values = np.mean(rows, axis=0)
         print(

@@ -14,10 +14,11 @@ from itertools import islice
 import cv2
 import numpy as np
 
-from visualspeech.face.aam.points import TRIANGLES, lower_face
 from visualspeech.face.aam.reference import Reference, fit_reference, paint, sample_texture
+from visualspeech.face.point_sets import read_point_set
 from visualspeech.media.reading import read_frames
 
+POINTS = read_point_set("lower_face_51")
 FRAMES = 75
 
 
@@ -33,13 +34,13 @@ def faces(count: int) -> np.ndarray:
     ring = np.arange(8) / 8 * 2 * np.pi
     points[60:68] = np.stack([-14 * np.cos(ring), 48 - 3 * np.sin(ring)], axis=1)
     nod = np.sin(np.arange(count) / 5)[:, None]
-    return lower_face(points[None] + np.stack([180 + 2 * nod, 120 + 3 * nod], axis=2))
+    return POINTS.select(points[None] + np.stack([180 + 2 * nod, 120 + 3 * nod], axis=2))
 
 
 def triangle_by_triangle(frame: np.ndarray, points: np.ndarray, reference: Reference) -> np.ndarray:
     height, width = reference.nearest.shape
     picture = np.zeros((height, width, 3), np.uint8)
-    for corners in TRIANGLES:
+    for corners in reference.points.triangles:
         warp = cv2.getAffineTransform(
             points[corners].astype(np.float32), reference.grid_shape[corners].astype(np.float32)
         )
@@ -66,7 +67,7 @@ def main(video: str = "") -> None:
     else:
         pictures = list(generator.integers(0, 256, (FRAMES, 288, 360, 3), dtype=np.uint8))
     points = faces(len(pictures))
-    reference = fit_reference([points])
+    reference = fit_reference([points], POINTS)
     print(f"textures of {reference.size} pixels")
     ours = speed("sample_texture", lambda i: sample_texture(pictures[i], points[i], reference), len(pictures))
     plain = speed(

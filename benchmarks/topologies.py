@@ -12,9 +12,9 @@ import sys
 import time
 
 import numpy as np
+from visualspeech.models.blstm import Stack, StackSettings
 
 from visualspeech.evaluation.published_results import published
-from visualspeech.models.blstm import Stack, StackSettings
 from visualspeech.models.training import train, training_settings
 
 UTTERANCES, FRAMES, PHONES, OUTPUTS = 32, 75, 32, 80

@@ -12,16 +12,16 @@ import sys
 from pathlib import Path
 
 import numpy as np
+from visualspeech.models.blstm import parse_stack
+from visualspeech.models.hmm.examples import TimedExamples, read_tracks
+from visualspeech.models.hmm.variants import train_variant
+from visualspeech.models.names import HMMS
 
 from benchmarks.runs import alignment_files, rmse_and_corr
 from visualspeech.corpora.table import of_split, read_utterances
-from visualspeech.features.examples import Examples
 from visualspeech.features.contexts import read_phones
-from visualspeech.models.blstm import parse_stack
-from visualspeech.models.hmm.examples import TimedExamples, read_tracks
+from visualspeech.features.examples import Examples
 from visualspeech.models.hmm.model import HmmSettings
-from visualspeech.models.hmm.variants import train_variant
-from visualspeech.models.names import HMMS
 from visualspeech.models.training import train
 from visualspeech.storage import ArrayCollection
 

@@ -18,9 +18,9 @@ from unittest import mock
 import numpy as np
 import torch
 from torch import nn
+from visualspeech.models.blstm import StackSettings
 
 from visualspeech.features.labels import one_hot
-from visualspeech.models.blstm import StackSettings
 from visualspeech.models.network import one_thread
 from visualspeech.models.training import train, training_settings
 

@@ -42,8 +42,8 @@ def main() -> None:
         seconds, said = run(folder, [*overlays, str(change)], "tables")
         print(f"tables with other digits: {seconds:.1f} s, {said.count('rule tabulate_results')} job")
     run(folder, overlays, "all")
-    places = [path for name in ("benchmarks", "*/benchmarks") for path in (folder / "results").glob(f"*/{name}")]
-    for timing in sorted(read_timings(places), key=lambda one: -one.seconds):
+    files = [*(folder / "results").glob("*/benchmarks/**/*.tsv"), *(folder / "results").glob("*/*/benchmarks/**/*.tsv")]
+    for timing in sorted(read_timings(files), key=lambda one: -one.seconds):
         print(f"{timing.stage:24s} {timing.jobs:3d} jobs {timing.seconds:8.1f} s {timing.memory:7.0f} MB at most")
 
 

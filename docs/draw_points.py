@@ -11,27 +11,26 @@ import numpy as np
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt  # noqa: E402
 
-from visualspeech.face.aam.points import DERIVED, JAW, LIPS, NOSE, TRIANGLES, lower_face  # noqa: E402
-from visualspeech.face.aam.reference import open_mouth  # noqa: E402
 from visualspeech.face.mean_face import MEAN_FACE  # noqa: E402
+from visualspeech.face.point_sets import read_point_set  # noqa: E402
 
 GROUPS = (
-    ("jaw line (17)", JAW, "#1b6ca8"),
-    ("nose (9)", NOSE, "#2e8b57"),
-    ("lips (20)", LIPS, "#c0392b"),
-    ("cheeks, chin hollow (5): means of others", DERIVED, "#8e44ad"),
+    ("jaw line (17)", "jaw", "#1b6ca8"),
+    ("nose (9)", "nose", "#2e8b57"),
+    ("lips (20)", "lips", "#c0392b"),
+    ("cheeks, chin hollow (5): means of others", "derived", "#8e44ad"),
 )
 
 
 def main() -> None:
-    points68 = np.asarray(MEAN_FACE)[:, :2]
-    face = open_mouth(lower_face(points68), 0.2)
+    points68, points = np.asarray(MEAN_FACE)[:, :2], read_point_set("lower_face_51")
+    face = points.open_mouth(points.select(points68), 0.2)
     figure, axes = plt.subplots(figsize=(8, 6.2), dpi=110)
-    axes.triplot(face[:, 0], face[:, 1], TRIANGLES, color="#bbbbbb", linewidth=0.8)
+    axes.triplot(face[:, 0], face[:, 1], points.triangles, color="#bbbbbb", linewidth=0.8)
     others = np.concatenate([points68[17:27], points68[36:48]])
     axes.plot(others[:, 0], others[:, 1], ".", color="#dddddd", label="eyes and brows: not used")
-    for name, which, colour in GROUPS:
-        axes.plot(face[which, 0], face[which, 1], "o", color=colour, markersize=5, label=name)
+    for name, region, colour in GROUPS:
+        axes.plot(*points.region(face, region).T, "o", color=colour, markersize=5, label=name)
     for number, (x, y) in enumerate(face):
         axes.annotate(str(number), (x, y), xytext=(3, 3), textcoords="offset points", fontsize=7)
     axes.invert_yaxis()

@@ -2,6 +2,7 @@
 
 import logging
 import os
+import shlex
 import sys
 import time
 import traceback
@@ -28,8 +29,10 @@ def settle_environment(root: str | Path) -> None:
     """Set what every job that this process starts inherits.
 
     One thread a job, whatever the machine: the same numbers with one core and with two, and small networks train
-    faster so. And the library beside the Snakefile, in the folder ``root``, is the one that jobs find.
+    faster so. And the library beside the Snakefile, in the folder ``root``, is the one that jobs find; the report names
+    the command line of the run.
     """
+    os.environ.setdefault("VISUALSPEECH_COMMAND", shlex.join([Path(sys.argv[0]).name, *sys.argv[1:]]))
     os.environ.update(dict.fromkeys(THREAD_VARIABLES, "1"))
     places = [str(root), *os.environ.get("PYTHONPATH", "").split(os.pathsep)]
     os.environ["PYTHONPATH"] = os.pathsep.join(dict.fromkeys(filter(None, places)))

@@ -3,6 +3,7 @@
 import ast
 import hashlib
 import json
+import os
 from collections.abc import Iterable, Mapping
 from functools import cache
 from pathlib import Path
@@ -19,6 +20,23 @@ def file_digest(path: str | Path) -> str:
     """Short digest of a file's bytes."""
     with open(path, "rb") as file:
         return hashlib.file_digest(file, "sha256").hexdigest()[:12]
+
+
+def commit() -> str:
+    """Commit of the checkout that this package lies in, marked where files differ from it; empty outside of one."""
+    import subprocess
+
+    question = ["git", "-C", str(PACKAGE), "describe", "--always", "--dirty"]
+    try:
+        found = subprocess.run(question, capture_output=True, text=True, check=True)
+    except (OSError, subprocess.CalledProcessError):
+        return ""
+    return found.stdout.strip()
+
+
+def command() -> str:
+    """Command line of the run that a job belongs to (:func:`visualspeech.jobs.settle_environment`)."""
+    return os.environ.get("VISUALSPEECH_COMMAND", "")
 
 
 def split_hash(split: Mapping[str, str]) -> str:

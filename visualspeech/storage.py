@@ -351,6 +351,40 @@ def read_model(path: str | Path) -> tuple[dict[str, np.ndarray], dict]:
             tensors = {name: file.get_tensor(name) for name in file.keys()}
         return tensors, json.loads(metadata["settings"])
     except (OSError, SafetensorError, KeyError, ValueError) as error:
+        raise _no_model(path, error) from error
+
+
+def _no_model(path: str | Path, error: Exception) -> StorageError:
+    return StorageError(
+        f"{path} is not a model of this project ({error!r}). Give the .safetensors file that a run has written."
+    )
+
+
+def read_shapes(path: str | Path) -> dict[str, tuple[int, ...]]:
+    """Shapes of the arrays of a model, by name; reads the header of the file alone.
+
+    Raises
+    ------
+    StorageError
+        The file is missing or not safetensors.
+    """
+    from safetensors import SafetensorError, safe_open
+
+    try:
+        with safe_open(str(path), framework="numpy") as file:
+            return {name: tuple(file.get_slice(name).get_shape()) for name in file.keys()}
+    except (OSError, SafetensorError) as error:
+        raise _no_model(path, error) from error
+
+
+def read_model_settings(path: str | Path) -> dict:
+    """The settings that :func:`write_model` wrote, without reading the arrays; raises as :func:`read_model`."""
+    from safetensors import SafetensorError, safe_open
+
+    try:
+        with safe_open(str(path), framework="numpy") as file:
+            return json.loads((file.metadata() or {})["settings"])
+    except (OSError, SafetensorError, KeyError, ValueError) as error:
         raise StorageError(
             f"{path} is not a model of this project ({error!r}). Give the .safetensors file that a run has written."
         ) from error

@@ -5,6 +5,7 @@ import sys
 from dataclasses import asdict, dataclass, fields, replace
 
 import pytest
+from visualspeech.models.baselines import BaselineSettings
 
 from tests.paths import REPOSITORY
 from visualspeech.animation.rendering import RenderSettings
@@ -12,6 +13,7 @@ from visualspeech.animation.speaking_settings import SpeakSettings
 from visualspeech.animation.video_settings import VideoSettings
 from visualspeech.animation.walk import WalkSettings
 from visualspeech.corpora.check_settings import CheckSettings
+from visualspeech.corpora.demo.recording import DemoSettings
 from visualspeech.errors import SettingError, StorageError
 from visualspeech.evaluation.comparisons import ComparisonSettings
 from visualspeech.evaluation.statistics import BootstrapSettings
@@ -25,7 +27,6 @@ from visualspeech.face.screening import ScreeningSettings
 from visualspeech.face.tracker import LandmarkSettings
 from visualspeech.features.streams import FeatureSettings
 from visualspeech.fields import Settings, default_of, described_fields, restored, section_schema, setting, with_defaults
-from visualspeech.models.baselines import BaselineSettings
 from visualspeech.models.hmm.model import HmmSettings
 from visualspeech.schema import check
 from visualspeech.speech.alignment import AlignmentSettings
@@ -33,8 +34,9 @@ from visualspeech.speech.spoken_settings import VoiceSettings
 
 CLASSES = [
     AamSettings, AlignmentSettings, BaselineSettings, BootstrapSettings, CheckSettings, ComparisonSettings,
-    DriftSettings, FeatureSettings, FittingSettings, HmmSettings, LandmarkSettings, PoseSettings, ReferenceSettings,
-    RenderSettings, ScreeningSettings, SpeakSettings, TableSettings, VideoSettings, VoiceSettings, WalkSettings,
+    DemoSettings, DriftSettings, FeatureSettings, FittingSettings, HmmSettings, LandmarkSettings, PoseSettings,
+    ReferenceSettings, RenderSettings, ScreeningSettings, SpeakSettings, TableSettings, VideoSettings, VoiceSettings,
+    WalkSettings,
 ]  # fmt: skip
 HEAVY = {"av", "torch", "cv2", "dlib", "pandas", "scipy", "matplotlib", "h5py", "pocketsphinx", "jsonschema"}
 BESIDE = {"minimum": -1, "above": 0, "maximum": 1, "below": 0}  # how far outside a bound a value is
@@ -217,3 +219,17 @@ def test_settings_are_imported_without_heavy_libraries():
     code = f"import sys, {modules}; print(*({HEAVY!r} & set(sys.modules)))"
     done = subprocess.run([sys.executable, "-c", code], cwd=REPOSITORY, capture_output=True, text=True, check=True)
     assert done.stdout.split() == []
+
+
+@pytest.mark.parametrize(
+    ("seconds", "frames"),
+    [
+        (PoseSettings().rotation_smoothing, 2.0), (PoseSettings().translation_smoothing, 0.5),
+        (LandmarkSettings().smoothing, 0.4), (RenderSettings().point_smoothing, 1.0),
+        (RenderSettings().colour_smoothing, 2.0), (WalkSettings().crossfade, 6.0),
+        (LandmarkSettings().detection_interval, 25.0), (DriftSettings().min_silent_seconds, 5.0),
+    ],
+)  # fmt: skip
+def test_times_are_exact_numbers_of_frames_at_25_hz(seconds, frames):
+    """Figures measured at 25 Hz were measured with these numbers of frames, to the last bit."""
+    assert seconds * 25.0 == frames

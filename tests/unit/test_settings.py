@@ -2,6 +2,7 @@
 
 import pytest
 import yaml
+from visualspeech.models.baselines import BaselineSettings
 
 from tests.paths import REPOSITORY
 from visualspeech.corpora.check_settings import CheckSettings
@@ -13,7 +14,6 @@ from visualspeech.face.head import PoseSettings
 from visualspeech.face.screening import ScreeningSettings
 from visualspeech.face.tracker import LandmarkSettings
 from visualspeech.features.streams import FeatureSettings
-from visualspeech.models.baselines import BaselineSettings
 from visualspeech.models.training import TrainingSettings
 from visualspeech.schema import load_schema
 from visualspeech.settings import merged, model_names, resolve

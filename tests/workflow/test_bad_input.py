@@ -126,7 +126,7 @@ REJECTED = {
     "othersentence": "transcript|words",
     "emptytext": "empty",
     "notext": "no transcript",
-    "noface": "face|one colour|stands still",
+    "noface": "face|single colour|frozen",
 }
 WARNED = {"variable": "variable frame rate", "telephone": "8 kHz"}
 

@@ -33,7 +33,7 @@ class Background:
     landmarks : (n, 68, 2) pixels
     pose : of the n frames
     clip : (n,) int, the recording of each frame, ascending
-    shapes, textures : (C, 102) and (C, 3U), the reference face of each recording
+    shapes, textures : (C, 2N) and (C, 3U), the reference face of each recording
     media : path of each recording, for people
     rate : frames a second
     size : (width, height) in pixels

@@ -1,7 +1,7 @@
-"""What a talking head says and how its face moves, before any picture is made.
+"""The sound and the predicted appearance of a talking head, before any frame is rendered.
 
-Sentence after sentence is spoken and goes through the model; sound and appearance are kept on disk, so that a text
-may be of any length, and what can be wrong with it is found before the long work of the pictures.
+Each sentence is spoken and goes through the model; sound and appearance are kept on disk, so that a text may be of
+any length, and errors are found before the long rendering starts.
 """
 
 from collections.abc import Iterable, Iterator
@@ -26,15 +26,15 @@ REST = 0.12  # seconds from the border of a pause until the face is wholly at re
 
 @dataclass(frozen=True)
 class Performance:
-    """What is said and how the face moves, before any picture is made.
+    """The sound and the predicted appearance of a text, before any frame is rendered.
 
     Parameters
     ----------
-    text : all of it
+    text : of all sentences
     samples : (n,) int16, mono
-    audio_rate : samples a second
+    audio_rate : of the samples, in Hz
     appearance : (T, N) float32 at ``rate``
-    rate : frames a second
+    rate : frame rate in Hz
     """
 
     text: str
@@ -45,49 +45,49 @@ class Performance:
 
     @property
     def seconds(self) -> float:
-        """Length of the pictures."""
+        """Duration of the appearance."""
         return len(self.appearance) / self.rate
 
     def sound(self) -> Iterator[np.ndarray]:
-        """The samples as float32 in [-1, 1], some seconds at a time."""
+        """The samples as float32 in [-1, 1], in blocks of some seconds."""
         step = 4 * self.audio_rate
         for start in range(0, len(self.samples), step):
             yield self.samples[start : start + step].astype(np.float32) / FULL_SCALE
 
 
 def perform(spoken: Iterable[Spoken], model: Model, rest: np.ndarray, ramp: float = REST) -> Performance:
-    """Predict the face of everything that is said, sentence by sentence; memory does not grow with their number.
+    """Predict the appearance of all sentences, one after the other; memory does not grow with their number.
 
     Parameters
     ----------
     spoken : sentences in their order
-    rest : (N,) appearance in silence
-    ramp : seconds from the border of a pause until the face is wholly at rest; speech goes into a pause and comes out
-        of it by the model alone, and inside it the mouth is that of the speaker in silence
+    rest : (N,) appearance at rest
+    ramp : seconds from the border of a pause until the face is wholly at rest; at the border the appearance is that of
+        the model, inside the pause that of the face at rest
 
     Raises
     ------
     SettingError
-        The model knows none of the phones.
+        The model has none of the phones.
     DataError
-        The sentences differ in their sound's rate, or there are none.
+        The sentences differ in their audio rate, or there are none.
     """
     texts: list[str] = []
     audio_rate = 0
-    told: set[str] = set()
+    reported: set[str] = set()
     samples, faces = Spool(np.int16), Spool(np.float32, model.outputs)
     for one in spoken:
         if audio_rate and one.rate != audio_rate:
             raise DataError(f"one sentence is sound of {one.rate} Hz, another of {audio_rate} Hz.")
         audio_rate = one.rate
         alignment, replaced = in_phones_of(one.alignment, phones_of(model))
-        if set(replaced) - told:
-            told |= set(replaced)
+        if set(replaced) - reported:
+            reported |= set(replaced)
             log.info(
-                "the model has not learnt some phones of this text: %s",
+                "some phones of the text did not occur in training: %s",
                 ", ".join(f"{other} is shown for {phone}" for phone, other in sorted(replaced.items())),
             )
-        # Every sentence ends with a frame: what is missing of its last is silence. One sample over is rounding.
+        # Sentences end at frame borders: the last frame is filled with silence. A single sample beyond is rounding.
         count = max(1, int(np.ceil((len(one.samples) - 1) / one.rate * model.rate - 1e-6)))
         faces.append(face_of(alignment, count, model, rest, ramp))
         length = round(len(faces) * one.rate / model.rate) - len(samples)
@@ -100,12 +100,12 @@ def perform(spoken: Iterable[Spoken], model: Model, rest: np.ndarray, ramp: floa
 
 
 def in_phones_of(alignment: Alignment, phones) -> tuple[Alignment, dict[str, str]]:
-    """An alignment in the phones that a model knows, and which phones were replaced by which.
+    """An alignment in the phones of a model, and the replacement of each phone that the model does not have.
 
     Raises
     ------
     SettingError
-        The model's phones are of another kind.
+        The phones of the model are of another phone set.
     """
     replaced = substitutes((one.label for one in alignment.phones), phones) if phones else {}
     if not replaced:
@@ -115,20 +115,20 @@ def in_phones_of(alignment: Alignment, phones) -> tuple[Alignment, dict[str, str
 
 
 def face_of(alignment: Alignment, frames: int, model: Model, rest: np.ndarray, ramp: float) -> np.ndarray:
-    """Appearance (frames, N) of one sentence: the model's, and in pauses the face at rest.
+    """Appearance (frames, N) float32 of one sentence: that of the model, and in pauses that of the face at rest.
 
     Parameters
     ----------
-    ramp : seconds from the border of a pause to the face at rest
+    ramp : seconds from the border of a pause until the face is wholly at rest
     """
     weight = pause_weights(alignment, frames, model.rate, ramp)[:, None]
     return ((1 - weight) * predict_alignment(model, alignment, frames) + weight * rest).astype(np.float32)
 
 
 def pause_weights(alignment: Alignment, frames: int, rate: float, ramp: float) -> np.ndarray:
-    """How much each frame is at rest, (frames,) from 0 in speech to 1 deeper than ``ramp`` seconds inside a pause.
+    """Weight of the face at rest, (frames,): 0 in speech, 1 from ``ramp`` seconds inside a pause on.
 
-    Before the beginning and after the end there is silence, so a pause there reaches on without end.
+    There is silence before the start and after the end, so the first and last pause count as unlimited.
     """
     times = frame_times(frames, rate)
     depth = np.zeros(frames)
@@ -139,6 +139,6 @@ def pause_weights(alignment: Alignment, frames: int, rate: float, ramp: float) -
             until = np.inf if one.end >= last else one.end - times
             inside = (times >= one.start) & ((times < one.end) | (one.end >= last))
             depth = np.where(inside, np.minimum(since, until) * np.ones(frames), depth)
-    # Beyond the alignment's end nobody speaks.
+    # After the end of the alignment there is silence.
     share = np.clip(depth / ramp, 0, 1)
     return share * share * (3 - 2 * share)

@@ -1,10 +1,12 @@
 """A talking head: a synthetic lower face stitched onto the recorded one, frame by frame.
 
-The recording keeps its head, eyes, hair and background. In every frame its jaw and cheeks are bent to where the target
-has them (:mod:`visualspeech.animation.warping`), and the target's texture is painted over mouth and chin by the
+The recording keeps its head, eyes, hair and background. In every frame its jaw and cheeks are warped to where the
+target has them (:mod:`visualspeech.animation.warping`), and the target's texture is painted over mouth and chin by the
 piecewise-affine warp of the appearance model. The painting fades out between the lips and the jaw line, and between
-the upper lip and the nose; its colours are brought to those of the recording along that seam by an offset that varies
-slowly over the face and is smoothed in time, for an offset found in each frame by itself would flicker.
+the upper lip and the nose; its colours are matched to those of the recording along that seam by an offset that varies
+slowly over the face and is smoothed in time, for an offset found in each frame separately would flicker.
+
+Which points control the warp, follow the target and outline the painting is said by the point set of the texture grid.
 """
 
 from collections import deque
@@ -16,32 +18,12 @@ import numpy as np
 
 from visualspeech.animation.warping import backward_map
 from visualspeech.errors import DataError
-from visualspeech.face.aam.points import (
-    JAW,
-    NOSE,
-    OUTER_LIPS,
-    POINTS,
-    SELECTION,
-    TRIANGLES,
-    lower_face,
-    to_points,
-)
-from visualspeech.face.aam.reference import Reference, sample_texture, texture_picture, triangle_map
+from visualspeech.face.aam.reference import Reference, sample_texture, texture_image, triangle_map
 from visualspeech.face.head import HeadModel
 from visualspeech.face.landmarks import smooth
+from visualspeech.face.point_sets import PointSet, to_points
 from visualspeech.face.pose import Pose, to_frontal, to_image
 from visualspeech.fields import Settings, setting
-
-FOLLOWS = np.ones(POINTS)
-FOLLOWS[[0, 1, 15, 16, 46, 47]] = 0.0
-FOLLOWS[[2, 14]] = 0.5
-FOLLOWS[NOSE] = 0.0
-"""How far each of the 51 points goes with the target: speech moves neither nose nor temples, and what a model says of
-them is noise; they stay where they were recorded."""
-
-_CONTROLS = np.r_[JAW, NOSE, OUTER_LIPS, 46:POINTS]
-_AROUND = np.r_[JAW, NOSE, 46:50]  # what moves slowly
-_PAINTED = np.array([*range(2, 15), 25, 24, 23, 22, 21])  # outline of what is painted: jaw line and base of the nose
 
 
 @dataclass(frozen=True)
@@ -63,17 +45,17 @@ class RenderSettings(Settings):
         maximum=2,
     )
     point_smoothing: float = setting(
-        1.0,
-        "Standard deviation, in frames, of the Gaussian that smooths the recorded points and the target's jaw and "
+        0.04,
+        "Standard deviation, in seconds, of the Gaussian that smooths the recorded points and the target's jaw and "
         "cheeks (not its lips) over time; 0 for none.",
         minimum=0,
-        maximum=1000,
+        maximum=10,
     )
     colour_smoothing: float = setting(
-        2.0,
-        "Standard deviation, in frames, of the Gaussian that smooths the colour offset over time; 0 for none.",
+        0.08,
+        "Standard deviation, in seconds, of the Gaussian that smooths the colour offset over time; 0 for none.",
         minimum=0,
-        maximum=1000,
+        maximum=10,
     )
     max_colour_offset: float = setting(
         60.0, "Maximum colour offset between texture and recording, in grey levels.", minimum=0, maximum=255
@@ -82,12 +64,14 @@ class RenderSettings(Settings):
 
 @dataclass(frozen=True)
 class Placement:
-    """Where the lower face is in the frames of one utterance, in pixels of the recording.
+    """Positions of the face in the frames of one utterance, in pixels of the recording.
+
+    The N points of the point set come first, the H landmarks that it holds where they were recorded after them.
 
     Parameters
     ----------
-    recorded : (T, 51, 2) where it was recorded
-    target : (T, 51, 2) where it is to be
+    recorded : (T, N + H, 2) as recorded
+    target : (T, N + H, 2) as rendered
     """
 
     recorded: np.ndarray
@@ -98,16 +82,25 @@ class Placement:
 
 
 def place(
-    landmarks: np.ndarray, shape: np.ndarray, pose: Pose, head: HeadModel, settings: RenderSettings | None = None
+    landmarks: np.ndarray,
+    shape: np.ndarray,
+    pose: Pose,
+    head: HeadModel,
+    points: PointSet,
+    settings: RenderSettings | None = None,
+    *,
+    rate: float,
 ) -> Placement:
     """Put frontal target shapes back onto the recorded head.
 
     Parameters
     ----------
     landmarks : (T, 68, 2) recorded landmarks in image pixels
-    shape : (T, 102) target shape vectors (Fan 2015, Eq. 1) in pixels of the normalised face, with the drift of the
+    shape : (T, 2N) target shape vectors (Fan 2015, Eq. 1) in pixels of the normalised face, with the drift of the
         utterance put back
     pose : of these T frames
+    points : the point set, of N points
+    rate : frame rate in Hz
 
     Raises
     ------
@@ -117,14 +110,15 @@ def place(
     settings = settings or RenderSettings()
     if not len(landmarks) == len(shape) == len(pose):
         raise DataError(f"{len(landmarks)} frames of landmarks, {len(shape)} target shapes, {len(pose)} poses")
-    depth = (SELECTION @ head.points3d)[:, 2]
+    depth = (points.warp_selection @ head.points3d)[:, 2]
     # Smoothed in the normalised face, where the head's own movement is not smoothed with it.
-    frontal = to_frontal(lower_face(np.asarray(landmarks, np.float64)), pose, head, depth)
-    recorded = smooth(frontal, settings.point_smoothing)
+    frontal = to_frontal(points.select_for_warp(np.asarray(landmarks, np.float64)), pose, head, depth)
+    recorded = smooth(frontal, settings.point_smoothing * rate)
     wanted = to_points(np.asarray(shape, np.float64))
     # The lips keep the target's own time course: they close for a frame or two only.
-    wanted[:, _AROUND] = smooth(wanted[:, _AROUND], settings.point_smoothing)
-    target = recorded + FOLLOWS[:, None] * (wanted - recorded)
+    wanted[:, points.slow] = smooth(wanted[:, points.slow], settings.point_smoothing * rate)
+    target, modelled = recorded.copy(), recorded[:, : points.size]
+    target[:, : points.size] = modelled + points.follows[:, None] * (wanted - modelled)
     return Placement(to_image(recorded, pose, head, depth), to_image(target, pose, head, depth))
 
 
@@ -134,7 +128,7 @@ class Stitching:
 
     Parameters
     ----------
-    opacity : (height, width) float32, of the texture grid: 1 on the lips, 0 at the border of what is painted
+    opacity : (height, width) float32, of the texture grid: 1 on the lips, 0 at the border of the painted area
     basis : (U, 6) float32, slowly varying functions over the texture's pixels (a quadratic in x and y)
     fit : (6, U) float32, the least-squares fit of these functions to a texture along the seam
     """
@@ -147,11 +141,11 @@ class Stitching:
 
 
 def prepare(reference: Reference, settings: RenderSettings | None = None) -> Stitching:
-    """Maps in the texture grid that serve every frame."""
+    """Maps in the texture grid that every frame uses."""
     import cv2
 
     settings = settings or RenderSettings()
-    grid = reference.grid_shape
+    grid, points = reference.grid_shape, reference.points
     size = reference.nearest.shape
 
     def distance_from(polygon: np.ndarray, inside: bool) -> np.ndarray:
@@ -160,8 +154,8 @@ def prepare(reference: Reference, settings: RenderSettings | None = None) -> Sti
         cv2.fillPoly(filled, [corners], 1 if inside else 0, lineType=cv2.LINE_8, shift=4)
         return cv2.distanceTransform(filled, cv2.DIST_L2, cv2.DIST_MASK_PRECISE)
 
-    to_border = distance_from(grid[_PAINTED], inside=True)
-    to_lips = distance_from(grid[OUTER_LIPS], inside=False)
+    to_border = distance_from(grid[points.painted], inside=True)
+    to_lips = distance_from(points.region(grid, "outer_lips"), inside=False)
     rise = np.clip(to_border / np.maximum(to_border + to_lips, 1e-6) / settings.seam_width, 0, 1)
     opacity = (rise * rise * (3 - 2 * rise)).astype(np.float32)
     rows, columns = reference.pixels.T
@@ -181,10 +175,11 @@ def colour_offset(frame: np.ndarray, recorded: np.ndarray, texture: np.ndarray, 
     Parameters
     ----------
     frame : (height, width, 3) uint8 RGB
-    recorded : (51, 2) the recorded lower face in this frame
+    recorded : (N, 2) the recorded points in this frame, pixels; held landmarks after them are not used
     texture : (3U,) target texture in grey levels
     """
-    here = sample_texture(frame, recorded, stitching.reference).astype(np.float32)
+    reference = stitching.reference
+    here = sample_texture(frame, recorded[: reference.points.size], reference).astype(np.float32)
     return stitching.fit @ (here - np.asarray(texture, np.float32)).reshape(3, -1).T
 
 
@@ -201,42 +196,45 @@ def stitch(
     Parameters
     ----------
     frame : (height, width, 3) uint8 RGB, as recorded
-    recorded, target : (51, 2) the lower face in this frame as it is and as it shall be
+    recorded, target : (N + H, 2) points and held landmarks in this frame, as recorded and as rendered, pixels; see
+        :class:`Placement`
     texture : (3U,) target texture in grey levels (Eq. 4), any number type
     offset : (6, 3) from :func:`colour_offset`, smoothed in time; by default that of this frame
 
     Returns
     -------
-    (height, width, 3) uint8, a new picture
+    (height, width, 3) uint8, a new frame
     """
     import cv2
 
-    settings = stitching.settings
+    settings, points = stitching.settings, stitching.reference.points
     if offset is None:
         offset = colour_offset(frame, recorded, texture, stitching)
-    wide = np.linalg.norm(recorded[JAW.stop - 1] - recorded[JAW.start])
+    first, last = points.face_width
+    wide = np.linalg.norm(recorded[last] - recorded[first])
     reach = settings.warp_reach * wide
-    picture = frame.copy()
+    result = frame.copy()
     low, high = _window(np.concatenate([recorded, target]), reach, frame.shape)
     if (high <= low).any():
-        return picture
+        return result
     maps = backward_map(
         tuple(low.tolist()),
         tuple((high - low).tolist()),
-        target[_CONTROLS],
-        (target - recorded)[_CONTROLS],
+        target[points.warp_controls],
+        (target - recorded)[points.warp_controls],
         reach,
         stiffness=0.02,
         step=max(2, round(wide / 30)),
     )
     moved = cv2.remap(frame, *maps, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
-    picture[low[1] : high[1], low[0] : high[0]] = moved
-    low, high = _window(target, 2, frame.shape)
+    result[low[1] : high[1], low[0] : high[0]] = moved
+    face = target[: points.size]
+    low, high = _window(face, 2, frame.shape)
     if (high <= low).any():
-        return picture
-    region = picture[low[1] : high[1], low[0] : high[0]]
-    region[...] = _painted(region, target - low, texture, offset, stitching)
-    return picture
+        return result
+    region = result[low[1] : high[1], low[0] : high[0]]
+    region[...] = _painted(region, face - low, texture, offset, stitching)
+    return result
 
 
 def talking_head(
@@ -245,6 +243,8 @@ def talking_head(
     textures: Iterable[np.ndarray],
     reference: Reference,
     settings: RenderSettings | None = None,
+    *,
+    rate: float,
 ) -> Iterator[np.ndarray]:
     """The frames of an utterance with synthetic lower faces, one at a time.
 
@@ -255,30 +255,34 @@ def talking_head(
     frames : T recorded frames, (height, width, 3) uint8 RGB
     placement : of these T frames
     textures : T target textures (3U,) in grey levels, with the drift of the utterance put back
+    rate : frame rate in Hz
 
     Raises
     ------
     DataError
-        There are not as many frames or textures as places.
+        The numbers of frames, textures and positions differ.
     """
-    places = zip(placement.recorded, placement.target, strict=True)
-    yield from stitched(_paired(frames, places, textures, len(placement)), reference, settings)
+    positions = zip(placement.recorded, placement.target, strict=True)
+    yield from stitched(_paired(frames, positions, textures, len(placement)), reference, settings, rate=rate)
 
 
 def stitched(
     parts: Iterable[tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]],
     reference: Reference,
     settings: RenderSettings | None = None,
+    *,
+    rate: float,
 ) -> Iterator[np.ndarray]:
     """Frames with synthetic lower faces, one at a time, of a stream whose length need not be known.
 
     Parameters
     ----------
-    parts : of each frame the recorded picture, where its lower face (51, 2) is and where it is to be, and the texture
-        (3U,); see :func:`stitch`
+    parts : per frame the recorded frame, the positions (N + H, 2) as recorded and as rendered, and the texture (3U,);
+        see :func:`stitch`
+    rate : frame rate in Hz
     """
     stitching = prepare(reference, settings)
-    deviation = stitching.settings.colour_smoothing
+    deviation = stitching.settings.colour_smoothing * rate
     ahead = int(np.ceil(2.5 * deviation))
     limit = stitching.settings.max_colour_offset
     waiting: deque = deque()
@@ -297,11 +301,11 @@ def stitched(
             return
 
 
-def _paired(frames, places, textures, count: int) -> Iterator[tuple]:
-    """Each frame with its places and texture; the lengths are checked as they come to their end."""
+def _paired(frames, positions, textures, count: int) -> Iterator[tuple]:
+    """Each frame with its positions and texture; the lengths are checked as the streams end."""
     missing = object()
     frames, textures = iter(frames), iter(textures)
-    for index, (recorded, target) in enumerate(places):
+    for index, (recorded, target) in enumerate(positions):
         frame, texture = next(frames, missing), next(textures, missing)
         if frame is missing or texture is missing:
             what = "frames in the recording" if frame is missing else "target textures"
@@ -319,7 +323,7 @@ def _smoothed(offsets, now: int, deviation: float) -> np.ndarray:
 
 
 def _window(points: np.ndarray, margin: float, shape) -> tuple[np.ndarray, np.ndarray]:
-    """First and one past the last (x, y) pixel of the points' box with a margin, inside the picture."""
+    """First and one past the last (x, y) pixel of the points' box with a margin, inside the frame."""
     size = np.array([shape[1], shape[0]])
     low = np.clip(np.floor(points.min(axis=0) - margin), 0, size).astype(int)
     high = np.clip(np.ceil(points.max(axis=0) + margin) + 1, 0, size).astype(int)
@@ -327,28 +331,30 @@ def _window(points: np.ndarray, margin: float, shape) -> tuple[np.ndarray, np.nd
 
 
 def _painted(region: np.ndarray, points: np.ndarray, texture, offset: np.ndarray, stitching: Stitching) -> np.ndarray:
-    """A picture with a texture painted at the given points, as opaque as the stitching says."""
+    """A region of a frame with a texture painted at points (N, 2), as opaque as the stitching says."""
     import cv2
 
     reference = stitching.reference
     coloured = np.asarray(texture, np.float32).reshape(3, -1).T + stitching.basis @ offset.astype(np.float32)
-    colours = texture_picture(np.clip(coloured, 0, 255).T.reshape(-1), reference)
+    colours = texture_image(np.clip(coloured, 0, 255).T.reshape(-1), reference)
     layers = np.dstack([colours, stitching.opacity])
-    x, y = _texture_places(points, reference, *region.shape[:2])
+    x, y = _texture_positions(points, reference, *region.shape[:2])
     layers = cv2.remap(layers, x, y, cv2.INTER_LINEAR, borderMode=cv2.BORDER_CONSTANT)
     below = region.astype(np.float32)
     mixed = below + layers[..., 3:] * (layers[..., :3] - below)
     return np.clip(np.rint(mixed), 0, 255).astype(np.uint8)
 
 
-def _texture_places(points: np.ndarray, reference: Reference, height: int, width: int) -> tuple[np.ndarray, np.ndarray]:
-    """Of each pixel its place in the texture grid (x and y maps, float32); far outside where there is no face."""
-    index = triangle_map(points, height, width)
-    a, b, c = np.moveaxis(np.asarray(points, np.float64)[TRIANGLES], 1, 0)
+def _texture_positions(
+    points: np.ndarray, reference: Reference, height: int, width: int
+) -> tuple[np.ndarray, np.ndarray]:
+    """The position of each pixel in the texture grid (x and y maps, float32); far outside where there is no face."""
+    index, triangles = triangle_map(points, reference.points, height, width), reference.points.triangles
+    a, b, c = np.moveaxis(np.asarray(points, np.float64)[triangles], 1, 0)
     edges = np.stack([b - a, c - a], axis=2)
     flat = np.abs(np.linalg.det(edges)) < 1e-6
     edges[flat] = np.eye(2)
-    u, v, w = np.moveaxis(reference.grid_shape[TRIANGLES], 1, 0)
+    u, v, w = np.moveaxis(reference.grid_shape[triangles], 1, 0)
     linear = np.stack([v - u, w - u], axis=2) @ np.linalg.inv(edges)
     constant = u - np.einsum("nij,nj->ni", linear, a)
     # The last row is for pixels without a triangle (index -1).

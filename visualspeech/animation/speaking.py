@@ -80,7 +80,8 @@ def placed(appearance: np.ndarray, bundle: SpeakerBundle, scene: Scene, settings
     aam = bundle.speaker.aam
     shape = aam.shape_mean + appearance @ aam.shape_basis
     shape = shape + scene.clips @ bundle.background.shapes - aam.drift.shape
-    return place(scene.landmarks, shape, scene.pose, bundle.speaker.head, settings)
+    points, rate = bundle.speaker.reference.points, bundle.background.rate
+    return place(scene.landmarks, shape, scene.pose, bundle.speaker.head, points, settings, rate=rate)
 
 
 def speaking_frames(
@@ -95,7 +96,7 @@ def speaking_frames(
     """
     settings = settings or SpeakSettings()
     parts = _parts(appearance, rate or bundle.background.rate, bundle, settings)
-    for picture in stitched(parts, bundle.speaker.reference, settings.rendering):
+    for picture in stitched(parts, bundle.speaker.reference, settings.rendering, rate=bundle.background.rate):
         picture = labelled(picture, LABEL) if settings.label else picture
         height, width = picture.shape[:2]
         # H.264 halves the colour planes: an odd last row or column is shown twice.
@@ -156,7 +157,7 @@ def _parts(appearance, rate: float, bundle: SpeakerBundle, settings: SpeakSettin
     background = bundle.background
     frames = _frames(len(appearance), rate, background.rate)
     # Places are smoothed in time: what is cut off beside the frames placed at a time reaches as far as the smoothing.
-    margin = int(np.ceil(4 * settings.rendering.point_smoothing)) + 1
+    margin = int(np.ceil(4 * settings.rendering.point_smoothing * background.rate)) + 1
     endless, way, since = way_through(background, settings.walk), [], 0
     for first in range(0, frames, _PLACED):
         last = min(first + _PLACED, frames)

@@ -20,8 +20,9 @@ from visualspeech.corpora.records import Utterance
 from visualspeech.errors import DataError
 from visualspeech.face.aam.model import Aam
 from visualspeech.face.aam.reference import Reference
-from visualspeech.face.drift import FaceReference, restore
+from visualspeech.face.drift import FaceReference
 from visualspeech.face.head import HeadModel
+from visualspeech.face.point_sets import to_vector
 from visualspeech.face.pose import Pose
 from visualspeech.features.resampling import resample
 from visualspeech.media.encoding import write_video
@@ -81,6 +82,8 @@ def synthetic_frames(
     recording: Recording,
     speaker: Speaker,
     settings: RenderSettings | None = None,
+    *,
+    rate: float,
 ) -> Iterator[np.ndarray]:
     """Recorded frames whose lower face is decoded from appearance parameters, one frame at a time.
 
@@ -88,6 +91,7 @@ def synthetic_frames(
     ----------
     frames : the T frames of the recording
     appearance : (T, N) v at the recording's frame rate
+    rate : that frame rate in Hz
 
     Raises
     ------
@@ -95,17 +99,18 @@ def synthetic_frames(
         The lengths differ.
     """
     appearance = np.asarray(appearance, np.float32)
-    shape = speaker.aam.shape_mean + appearance @ speaker.aam.shape_basis
-    shape = shape + (recording.drift.shape - speaker.aam.drift.shape)
-    placement = place(recording.landmarks, shape, recording.pose, speaker.head, settings)
-    return talking_head(frames, placement, _textures(appearance, recording, speaker.aam), speaker.reference, settings)
+    shape = to_vector(speaker.aam.decode_points(appearance)) + (recording.drift.shape - speaker.aam.drift.shape)
+    points = speaker.reference.points
+    placement = place(recording.landmarks, shape, recording.pose, speaker.head, points, settings, rate=rate)
+    textures = _textures(appearance, recording, speaker.aam)
+    return talking_head(frames, placement, textures, speaker.reference, settings, rate=rate)
 
 
 def _textures(appearance: np.ndarray, recording: Recording, aam: Aam) -> Iterator[np.ndarray]:
-    """Textures with the light of the recording, a few decoded at a time: all of them would be 72 kB a frame."""
+    """Textures with the light of the recording, a few decoded at a time: all of them would be 72 kB per frame."""
+    light = recording.drift.texture - aam.drift.texture
     for start in range(0, len(appearance), 25):
-        decoded = aam.decode(appearance[start : start + 25])
-        yield from restore(*decoded, recording.drift, aam.drift)[1]
+        yield from aam.decode_texture(appearance[start : start + 25]) + light
 
 
 def side_by_side(panels: Sequence[Panel], label: bool = True) -> Iterator[np.ndarray]:
@@ -213,6 +218,6 @@ def write_panels(
     panels = [Panel("original", sources.pop(0), synthetic=False)] if original else []
     for source, (title, (values, values_rate)) in zip(sources, appearances.items(), strict=True):
         values = resample(values, values_rate, rate, length)
-        panels.append(Panel(title, synthetic_frames(source, values, recording, speaker, settings.rendering)))
+        panels.append(Panel(title, synthetic_frames(source, values, recording, speaker, settings.rendering, rate=rate)))
     sound = read_audio(utterance.media, AUDIO_RATE, utterance.start, utterance.end)
     write_video(path, side_by_side(panels, settings.label), rate, sound, AUDIO_RATE, metadata)

@@ -36,8 +36,8 @@ class WalkSettings(Settings):
     """
 
     section = "walk"
-    crossfade_frames: int = setting(
-        6, "Number of frames on each side of a transition that are cross-faded.", minimum=0, maximum=1000
+    crossfade: float = setting(
+        0.24, "Duration of the cross-fade on each side of a transition, in seconds.", minimum=0, maximum=60
     )
     min_interval: float = setting(
         1.2,
@@ -123,7 +123,7 @@ def walk(
             yield Mix(0, 0, 0.0)
     # A change needs `mixed` frames on each side, and the way from one to the next fits three times into a recording:
     # so there always is a place to go over to.
-    mixed = min(settings.crossfade_frames, (longest - 3) // 8)
+    mixed = min(round(settings.crossfade * rate), (longest - 3) // 8)
     same, turned = changes(distances, clip, mixed)
     least = max(min(round(settings.min_interval * rate), (longest - 2 * mixed) // 3), 2 * mixed + 1)
     generator = np.random.default_rng(settings.seed)

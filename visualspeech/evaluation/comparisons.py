@@ -4,17 +4,16 @@ All pairs of rows are tested, not only those with the best one: the best row is 
 family chosen after looking would need a correction that Holm's does not give.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import combinations
 
 import numpy as np
 
-from visualspeech.errors import DataError
-from visualspeech.evaluation.metrics import METRICS, Metric, metric_named, sums
-from visualspeech.evaluation.sheets import Cell, Sheet
+from visualspeech.evaluation.layout import Cell, Row, Table, interval
+from visualspeech.evaluation.measured import MeasuredRows
+from visualspeech.evaluation.metrics import METRICS, Metric, metric_named, statistics_of
 from visualspeech.evaluation.statistics import BootstrapSettings, Sampled, draws, figure, sample
-from visualspeech.evaluation.table_formats import column_title, row_title
 from visualspeech.fields import MAX_SEED, Settings, setting
 
 TESTS = ("wilcoxon", "permutation")
@@ -89,17 +88,16 @@ def sign_permutation(differences: np.ndarray, settings: ComparisonSettings) -> f
 
 
 def compare(
-    tables: Mapping[str, object],
+    measured: MeasuredRows,
     metrics: Sequence[str],
     settings: ComparisonSettings | None = None,
     bootstrap: BootstrapSettings | None = None,
 ):
-    """Paired tests of all pairs of rows, a line a measure and pair.
+    """Paired tests of all pairs of rows that predict, one line per measure and pair.
 
     Parameters
     ----------
-    tables : row name -> per-utterance table of the test utterances, the same in all; seeds pooled
-        (:func:`visualspeech.evaluation.repetitions.pooled`)
+    measured : the rows; repetitions are pooled, the floor is left out
     metrics : names of measures; each one is a family of tests of its own
     settings : of the tests
     bootstrap : of the interval of each difference
@@ -114,20 +112,21 @@ def compare(
     Raises
     ------
     DataError
-        Rows were evaluated on different utterances.
+        There is no test utterance.
     """
     import pandas
 
     settings, bootstrap = settings or ComparisonSettings(), bootstrap or BootstrapSettings()
-    _check_same(tables)
-    drawn = draws(len(next(iter(tables.values()))), bootstrap) if tables else np.zeros((1, 1), int)
+    measured = measured.pooled()
+    drawn = draws(measured.utterances, bootstrap)
+    tables = {row.name: measured.tables[row.name] for row in measured.rows if row.role != "floor"}
     lines = []
     for metric in map(metric_named, metrics):
-        parts = {row: sums(table, metric) for row, table in tables.items()}
-        sampled = {row: sample(*part, drawn) for row, part in parts.items()}
-        order = sorted(tables, key=lambda row: _cost(metric, sampled[row].value))  # noqa: B023
-        pairs = list(combinations(order, 2))
-        p = np.array([paired_p(metric, parts[first], parts[second], settings) for first, second in pairs])
+        statistics = {row: statistics_of(table, metric) for row, table in tables.items()}
+        sampled = {row: sample(table, metric, drawn) for row, table in tables.items()}
+        costs = {row: metric.cost(of_row.value) for row, of_row in sampled.items()}
+        pairs = list(combinations(sorted(tables, key=costs.get), 2))
+        p = np.array([paired_p(metric, statistics[first], statistics[second], settings) for first, second in pairs])
         for (first, second), own, corrected in zip(pairs, p, holm(p), strict=True):
             one, other = sampled[first], sampled[second]
             between = figure(Sampled(one.value - other.value, one.samples - other.samples), bootstrap.level)
@@ -139,46 +138,25 @@ def compare(
     return pandas.DataFrame(lines, columns=list(COLUMNS))
 
 
-def _cost(metric: Metric, value):
-    """What is the lower the better."""
-    return {"low": value, "high": -value, "one": np.abs(value - 1)}[metric.best]
-
-
-def paired_p(metric: Metric, first, second, settings: ComparisonSettings) -> float:
-    """P value of the difference of two rows, each given by :func:`visualspeech.evaluation.metrics.sums`."""
-    if settings.test == "permutation" and metric.best != "one":
+def paired_p(metric: Metric, first: np.ndarray, second: np.ndarray, settings: ComparisonSettings) -> float:
+    """P value of the difference of two rows, each given by :func:`visualspeech.evaluation.metrics.statistics_of`."""
+    if settings.test == "permutation" and metric.is_additive:
         # Both figures have one denominator: the sum of these differences is the difference of the figures, but for it.
-        return sign_permutation(first[0] - second[0], settings)
-    values = []
-    for numerator, denominator in (first, second):
-        with np.errstate(invalid="ignore", divide="ignore"):
-            values.append(_cost(metric, numerator / denominator))
-    differences = values[0] - values[1]
+        return sign_permutation(first[:, 0] - second[:, 0], settings)
+    differences = metric.cost(metric.value(first)) - metric.cost(metric.value(second))
     return signed_rank(differences) if settings.test == "wilcoxon" else sign_permutation(differences, settings)
 
 
-def _check_same(tables: Mapping[str, object]) -> None:
-    expected = None
-    for row, table in tables.items():
-        found = list(zip(table["id"], table["frames"], strict=True))
-        if expected is not None and found != expected:
-            raise DataError(
-                f"`{row}` was evaluated on other utterances than the rows before it. Delete the models and run again."
-            )
-        expected = found
-
-
-def comparison_sheets(
-    frame, utterances: int, settings: ComparisonSettings, facts: Sequence[tuple[str, str]] = (), digits: int = 3
-) -> tuple[Sheet, ...]:
-    """For each measure the rows, the best first: what they are better and worse than, and how far from the best.
+def comparison_tables(
+    frame, measured: MeasuredRows, settings: ComparisonSettings, facts: Sequence[tuple[str, str]] = (), digits: int = 3
+) -> tuple[Table, ...]:
+    """For each measure the rows, the best first: how far each is from the best, and how many rows it differs from.
 
     Parameters
     ----------
-    frame : from :func:`compare`, with the settings it was made with
-    utterances : number of test utterances
+    frame : from :func:`compare`, with the rows and settings it was made with
     """
-    sheets = []
+    tables, of_name = [], {row.name: row for row in measured.pooled().rows}
     for name in dict.fromkeys(frame["metric"]):
         part = frame[frame["metric"] == name]
         values = dict(zip(part["first"], part["first_value"], strict=True))
@@ -189,40 +167,41 @@ def comparison_sheets(
         for row in (best, *to_best):
             wins = int((part["better"] == row).sum())
             losses = int(((part["second"] == row) & (part["better"] != "")).sum())
-            shown = Cell(f"{values[row]:.{digits}f}", best=row == best)
-            cells = (shown, *_to_best(to_best.get(row), digits), Cell(str(wins)), Cell(str(losses)))
-            rows.append((row_title(row), cells))
-        sheets.append(
-            Sheet(
-                title=f"{METRICS[name].title}: which differences are real",
-                columns=(column_title(METRICS[name]), "best less this", "p", "better than", "worse than"),
+            figure_shown = Cell(f"{values[row]:.{digits}f}", best=row == best)
+            cells = (figure_shown, *_to_best(to_best.get(row), digits), Cell(str(wins)), Cell(str(losses)))
+            rows.append(Row(of_name[row].title, cells, of_name[row].role))
+        tables.append(
+            Table(
+                title=f"{METRICS[name].title}: paired comparisons",
+                columns=(METRICS[name].heading, "best minus row", "p", "better than", "worse than"),
                 rows=tuple(rows),
-                facts=() if sheets else tuple(facts),
-                notes=() if sheets else _notes(len(part), utterances, settings),
+                facts=() if tables else tuple(facts),
+                notes=() if tables else _notes(len(part), measured.utterances, settings),
             )
         )
-    return tuple(sheets)
+    return tuple(tables)
 
 
 def _to_best(line, digits: int) -> tuple[Cell, Cell]:
     if line is None:
         return Cell(""), Cell("")
-    interval = f"[{line.low:.{digits}f}, {line.high:.{digits}f}]"
     p = "< 0.0001" if line.p_holm < 1e-4 else f"{line.p_holm:.4f}"
-    return Cell(f"{line.difference:.{digits}f}", interval), Cell(p, best=bool(line.better))
+    difference = Cell(f"{line.difference:.{digits}f}", interval(f"{line.low:.{digits}f}", f"{line.high:.{digits}f}"))
+    return difference, Cell(p, best=bool(line.better))
 
 
 def _notes(pairs: int, utterances: int, settings: ComparisonSettings) -> tuple[str, ...]:
     test = "Wilcoxon's signed-rank test" if settings.test == "wilcoxon" else "a permutation test"
     notes = [
-        f"Paired over utterances by {test}, two-sided; p values are Holm-corrected for all {pairs} pairs of rows, "
-        f"those below {settings.level:g} are bold. “Better than” and “worse than” count the rows it differs from so. "
-        "Intervals are paired bootstrap intervals of the difference, without correction."
+        f"Paired over utterances by {test}, two-sided. P values are Holm-corrected for all {pairs} pairs of rows; "
+        f"those below {settings.level:g} are bold. “Better than” and “worse than” count the rows from which a row "
+        "differs significantly. Intervals are paired bootstrap intervals of the difference, uncorrected.",
+        "The best value of each measure is bold.",
     ]
     least = 2.0 ** (1 - utterances) * pairs
     if least >= settings.level:
         notes.append(
-            f"With {utterances} test utterances no p value can fall below {2.0 ** (1 - utterances):.2g}, which {pairs} "
-            "pairs raise above the level: nothing can be significant here, whatever the differences."
+            f"With {utterances} test utterances no p value can fall below {2.0 ** (1 - utterances):.2g}, which the "
+            f"correction for {pairs} pairs raises above the level: no difference can be significant here."
         )
     return tuple(notes)

@@ -1,53 +1,101 @@
 """What the report shows, gathered from the files of a run."""
 
 from collections.abc import Mapping, Sequence
+from datetime import date
 from importlib.metadata import version
 from pathlib import Path
 
 import numpy as np
 
-from visualspeech.corpora.findings import read_findings
+from visualspeech import __version__
 from visualspeech.corpora.records import Utterance
 from visualspeech.corpora.table import of_split
 from visualspeech.evaluation import plots
-from visualspeech.evaluation.report import Picture, Video
-from visualspeech.evaluation.timings import read_timings
+from visualspeech.evaluation.forms import fragment_of
+from visualspeech.evaluation.report import Picture, SystemSection, Video
+from visualspeech.evaluation.timings import StageTiming, read_timings
 from visualspeech.face.aam.model import Aam
 from visualspeech.face.aam.modes import mode_pictures
 from visualspeech.face.aam.reference import Reference
+from visualspeech.models.rows import ModelRow
+from visualspeech.provenance import command, commit
 from visualspeech.speech.alignment import read_alignments
-from visualspeech.storage import ArrayCollection, ArrayReader, read_table
+from visualspeech.storage import ArrayCollection, ArrayReader, read_table, read_text
 
 SPLITS = ("train", "validation", "test")
 LIBRARIES = ("numpy", "scipy", "torch", "opencv-contrib-python-headless", "dlib-bin", "pocketsphinx", "av", "snakemake")
 
+#: Networks that share one panel of learning curves; more are drawn in one panel per topology.
+MOST_CURVES = 6
 
-def learning_curves(paths: Sequence[str]) -> tuple[Picture, ...]:
-    """One picture with the learning curves of all networks; a curve's folder is named by its network."""
-    curves = {Path(path).parent.name: read_table(path) for path in paths}
-    return (Picture(plots.learning_curves(curves), f"Learning curves of {', '.join(curves)}"),)
+#: Stages that go through every recorded frame once; the others have no frames per second.
+FRAME_STAGES = ("check_recordings", "track_landmarks", "normalise_pose")
 
 
-def trajectory_pictures(
-    utterances: Sequence[Utterance], features: ArrayCollection, predictions: str, alignments: Sequence[str], count: int
-) -> tuple[Picture, ...]:
-    """Predicted and true appearance parameters of the first ``count`` test utterances.
+def fragments(paths: Sequence[str]) -> tuple[str, ...]:
+    """The tables of pages that :func:`visualspeech.evaluation.forms.to_html_page` wrote."""
+    return tuple(fragment_of(read_text(path)) for path in paths)
+
+
+def system_section(
+    given: Mapping, utterances: Sequence[Utterance], alignments: Sequence[str], report: str, trajectories: int = 3
+) -> SystemSection:
+    """What the report shows of one system.
 
     Parameters
     ----------
-    predictions : path of a model's predictions, in the folder that has the model's name
-    alignments : paths of alignment tables
+    given : ``name`` and ``title`` of the system; ``facts``, (name, text) pairs; paths: ``tables`` (HTML pages),
+        ``targets`` (shards), ``curves`` (of the ``rows``, plain :class:`ModelRow`, in the same order), ``coding`` and
+        ``reference`` (models, empty for a coding without texture), ``predictions`` of the model named ``model``, and
+        ``videos`` (a folder). An empty value leaves its part out
+    utterances : accepted ones
+    alignments : shards of the alignment
+    report : path of the page, to which links are relative
+    trajectories : number of test utterances whose trajectories are shown
     """
-    shown = of_split(utterances, "test")[:count]
-    ids = [one.id for one in shown]
+    rows = list(map(ModelRow.of, given["rows"]))
+    with ArrayCollection(given["targets"]) as targets:
+        return SystemSection(
+            name=given["name"],
+            title=given["title"],
+            facts=(*map(tuple, given["facts"]), ("frames", frames_text(utterances, targets))),
+            tables=fragments(given["tables"]),
+            learning_curves=learning_curves(rows, [read_table(path) for path in given["curves"]]),
+            trajectories=trajectory_pictures(
+                of_split(utterances, "test")[:trajectories], targets, given["predictions"], given["model"], alignments
+            )
+            if given["predictions"]
+            else (),
+            modes=aam_modes(Aam.load(given["coding"]), Reference.load(given["reference"])) if given["coding"] else (),
+            videos=videos(given["videos"], report, utterances, given["model"]) if given["videos"] else (),
+        )
+
+
+def learning_curves(rows: Sequence[ModelRow], curves: Sequence) -> tuple[Picture, ...]:
+    """One picture with the learning curves of all networks."""
+    if not rows:
+        return ()
+    panels: dict[str, dict[str, object]] = {}
+    for row, curve in zip(rows, curves, strict=True):
+        panel = str(row.settings.get("letters", row.group)) if len(rows) > MOST_CURVES else ""
+        panels.setdefault(panel, {})[row.name] = curve
+    caption = f"Learning curves of {', '.join(row.name for row in rows)}"
+    return (Picture(plots.learning_curves(panels), caption),)
+
+
+def trajectory_pictures(
+    utterances: Sequence[Utterance], targets: ArrayCollection, predictions: str, model: str, alignments: Sequence[str]
+) -> tuple[Picture, ...]:
+    """Predicted and true appearance parameters of utterances."""
+    ids = [one.id for one in utterances]
     aligned = {name: found for path in alignments for name, found in read_alignments(path, ids).items()}
     pictures = []
     with ArrayReader(predictions) as predicted:
-        for one in shown:
+        for one in utterances:
             png = plots.trajectories(
-                features.array(one.id, "appearance"),
-                {Path(predictions).parent.name: predicted.array(one.id, "appearance")},
-                features.rate(one.id),
+                targets.array(one.id, "appearance"),
+                {model: predicted.array(one.id, "appearance")},
+                targets.rate(one.id),
                 [(phone.label, phone.start, phone.end) for phone in aligned[one.id].phones],
                 title=f"{one.id}: {one.transcript}",
             )
@@ -75,7 +123,7 @@ def _to_height(picture: np.ndarray, height: int) -> np.ndarray:
 
 
 def videos(folder: str, report: str, utterances: Sequence[Utterance], model: str) -> tuple[Video, ...]:
-    """Links from the report to the videos of a folder, each named by its utterance."""
+    """Links to the videos of a folder."""
     transcripts = {one.id: one.transcript for one in utterances}
     base = Path(report).parent
     return tuple(
@@ -84,28 +132,34 @@ def videos(folder: str, report: str, utterances: Sequence[Utterance], model: str
     )
 
 
-def split_sizes(utterances: Sequence[Utterance], features: ArrayCollection) -> tuple[dict[str, int], dict[str, int]]:
-    """Number of utterances and of frames of each split."""
-    parts = {split: of_split(utterances, split) for split in SPLITS}
-    frames = {split: sum(features.length(one.id, "labels") for one in part) for split, part in parts.items()}
-    return {split: len(part) for split, part in parts.items()}, frames
+def split_sizes(utterances: Sequence[Utterance]) -> dict[str, int]:
+    """Number of utterances of each split."""
+    return {split: len(of_split(utterances, split)) for split in SPLITS}
 
 
-#: Stages that go through every recorded frame; the others have no frames a second.
-FRAME_STAGES = ("record_demo", "check_recordings", "align_speech", "track_landmarks", "normalise_pose",
-                "sample_textures", "fit_faces", "encode_appearance", "build_features")  # fmt: skip
+def frames_text(utterances: Sequence[Utterance], targets: ArrayCollection) -> str:
+    """Number of frames of each split at the rate of a system, for people."""
+    counts = {
+        split: sum(targets.length(one.id, "appearance") for one in of_split(utterances, split)) for split in SPLITS
+    }
+    return f"{counts['train']} training, {counts['validation']} validation, {counts['test']} test"
 
 
-def stage_timings(folders: Sequence[str], frames: Mapping[str, int]):
-    """What the stages cost, from their benchmark files."""
-    return read_timings(folders, dict.fromkeys(FRAME_STAGES, sum(frames.values())))
+def stage_timings(benchmarks: Sequence[str], landmarks: Sequence[str]) -> tuple[StageTiming, ...]:
+    """What the stages cost, from their benchmark files; recorded frames are counted in the shards of landmarks."""
+    with ArrayCollection(landmarks) as tracked:
+        frames = sum(tracked.length(one, "points") for one in tracked.ids)
+    return read_timings(benchmarks, dict.fromkeys(FRAME_STAGES, frames))
+
+
+def origin() -> dict[str, str]:
+    """Commit, date and command of a run, as :class:`ReportContent` takes them.
+
+    They are found when the report is written: as parameters of its job they would make it stale with every call.
+    """
+    return {"commit": commit(), "command": command(), "date": date.today().isoformat()}
 
 
 def versions() -> dict[str, str]:
-    """Versions of the libraries that figures may depend on."""
-    return {name: version(name) for name in LIBRARIES}
-
-
-def findings(path: str):
-    """All that the stages found wrong or odd."""
-    return tuple(read_findings(path))
+    """Versions of this program and of the libraries that figures may depend on."""
+    return {"visualspeech": __version__} | {name: version(name) for name in LIBRARIES}

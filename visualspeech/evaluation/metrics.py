@@ -1,29 +1,61 @@
-"""Objective measures of a predicted face sequence: Eq. 16-19 of Fan et al. (2015), and two that they lack.
+"""Objective measures of a predicted face sequence: Eq. 16-19 of Fan et al. (2015), and three that they lack.
 
-Every measure of a corpus is a quotient of two sums over its utterances. An utterance's row therefore holds a value and
-the weight that value has in the corpus: the frames for Eq. 16-19 and the lip distance, the true scatter for the share
-of the variance. The corpus figure ``sum(value * weight) / sum(weight)`` is then exactly the equation's.
+An utterance is kept as *sufficient statistics*: numbers that are added over utterances and from whose sums the figure
+of a corpus follows. Eq. 16-19, the lip distance and the global-variance ratio are quotients of two sums; the
+concordance correlation is a function of the moments of prediction and truth (:func:`concordance`). A new measure is an
+entry of :data:`METRICS`, and where it needs further statistics, a line of :func:`score`.
 """
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
+from itertools import count, takewhile
 
 import numpy as np
 
 from visualspeech.errors import DataError, SettingError
 
 
-@dataclass(frozen=True)
-class Metric:
-    """What a table needs to know of one measure.
+def quotient(sums: np.ndarray) -> np.ndarray:
+    """Numerator over denominator, (..., 2) -> (...); NaN where the denominator is 0."""
+    numerator, denominator = sums[..., 0], sums[..., 1]
+    with np.errstate(divide="ignore", invalid="ignore"):
+        return np.where(denominator != 0, np.divide(numerator, denominator), np.nan)
+
+
+def concordance(sums: np.ndarray) -> np.ndarray:
+    """Mean over N dimensions of Lin's concordance correlation coefficient, (..., 1 + 5 N) -> (...).
+
+    ``2 cov(x, y) / (var(x) + var(y) + (mean(x) - mean(y))^2)`` of prediction x and truth y over all frames (Lin 1989;
+    Sadoughi & Busso 2017). A dimension in which both are one and the same constant has no coefficient and is left out;
+    NaN where no dimension has one.
 
     Parameters
     ----------
-    name : column of the per-utterance table, and the name used in settings
+    sums : number of frames, then N sums each of x, y, x^2, y^2 and x y
+    """
+    frames = sums[..., :1]
+    parts = sums[..., 1:].reshape(*sums.shape[:-1], 5, -1)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        x, y, xx, yy, xy = (parts[..., place, :] / frames for place in range(5))
+        spread = np.maximum(xx - x**2, 0) + np.maximum(yy - y**2, 0) + (x - y) ** 2
+        each = np.where(spread > 0, 2 * (xy - x * y) / spread, np.nan)
+        defined = np.isfinite(each)
+        return np.where(defined, each, 0.0).sum(axis=-1) / defined.sum(axis=-1)
+
+
+@dataclass(frozen=True)
+class Metric:
+    """A measure: how it is computed from the statistics of utterances, and what a table says about it.
+
+    Parameters
+    ----------
+    name : used in settings and in tables of figures
     title : heading for people
     definition : one sentence, with the equation's number where the paper has one
     best : ``low``, ``high`` or ``one`` (the nearer to 1 the better)
-    weight : column with the weight of an utterance's value in the corpus figure
+    columns : statistics that it needs, columns of the table of :func:`score_table`; a name that is no column stands for
+        the vector of the columns ``name.0``, ``name.1``, ...
+    value : sums of these statistics over utterances (..., k) -> figure (...)
     unit : unit of the figure, empty for none
     """
 
@@ -31,8 +63,29 @@ class Metric:
     title: str
     definition: str
     best: str
-    weight: str = "frames"
+    columns: tuple[str, ...]
+    value: Callable[[np.ndarray], np.ndarray] = quotient
     unit: str = ""
+
+    def cost(self, figure):
+        """The figure turned so that lower is better."""
+        return {"low": figure, "high": -figure, "one": abs(figure - 1)}[self.best]
+
+    @property
+    def is_error(self) -> bool:
+        """Whether 0 is a perfect figure, so that ratios of figures mean something."""
+        return self.best == "low"
+
+    @property
+    def is_additive(self) -> bool:
+        """Whether a difference of two rows is a sum over utterances, but for a denominator that all rows share."""
+        return self.value is quotient and self.best != "one"
+
+    @property
+    def heading(self) -> str:
+        """Title with the unit and an arrow to the better figures."""
+        arrow = {"low": "↓", "high": "↑", "one": "→\u00a01"}[self.best]
+        return f"{self.title}{f' [{self.unit}]' if self.unit else ''}\u00a0{arrow}"
 
 
 METRICS: dict[str, Metric] = {
@@ -43,18 +96,21 @@ METRICS: dict[str, Metric] = {
             "RMSE(shape)",
             "Eq. 16: mean over frames of the root mean square error of the shape parameters a",
             "low",
+            ("rmse_shape_sum", "frames"),
         ),
         Metric(
             "rmse_texture",
             "RMSE(texture)",
             "Eq. 17: mean over frames of the root mean square error of the texture parameters b",
             "low",
+            ("rmse_texture_sum", "frames"),
         ),
         Metric(
             "rmse_appearance",
             "RMSE(appearance)",
             "Eq. 18: mean over frames of the root mean square error of the appearance parameters v",
             "low",
+            ("rmse_appearance_sum", "frames"),
         ),
         Metric(
             "corr",
@@ -62,22 +118,33 @@ METRICS: dict[str, Metric] = {
             "Eq. 19: mean over frames of the correlation, over the dimensions of v, of prediction and truth "
             "(a frame with an undefined correlation counts as 0)",
             "high",
+            ("corr_sum", "frames"),
         ),
         Metric(
             "lip_distance_px",
             "Lip distance",
-            "mean over frames and the 20 lip points of the Euclidean distance between the point decoded from v and the "
+            "mean over frames and lip points of the Euclidean distance between the point decoded from v and the "
             "tracked point, in pixels of the normalised face",
             "low",
+            ("lip_distance_px_sum", "frames"),
             unit="px",
         ),
         Metric(
-            "variance_kept",
-            "Variance kept",
+            "gv_ratio",
+            "Global-variance ratio",
             "variance of v over time within utterances, summed over its dimensions: predicted divided by true "
             "(below 1: over-smoothed)",
             "one",
-            weight="true_scatter",
+            ("gv_ratio_sum", "true_scatter"),
+        ),
+        Metric(
+            "ccc",
+            "CCC",
+            "mean over the dimensions of v of the concordance correlation coefficient of prediction and truth over all "
+            "frames (Sadoughi & Busso 2017)",
+            "high",
+            ("frames", "predicted", "true", "predicted_squared", "true_squared", "predicted_true"),
+            value=concordance,
         ),
     )
 }
@@ -161,13 +228,14 @@ def scatter_over_time(values: np.ndarray) -> float:
     return float(np.sum((values - values.mean(axis=0)) ** 2))
 
 
-def score(utterance_id: str, predicted: FaceSequence, true: FaceSequence) -> dict:
-    """One row of the per-utterance table.
+def score(utterance_id: str, predicted: FaceSequence, true: FaceSequence, rate: float) -> dict:
+    """Statistics of one utterance: one row of the table of :func:`score_table`.
 
-    Columns: ``id``, ``frames``, the measures of :data:`METRICS` (means over the utterance's frames;
-    ``variance_kept`` the quotient of the scatters, NaN where the true one is 0), ``corr_undefined`` (number of frames
-    whose correlation is undefined; each of them adds 0 to the sum of Eq. 19 and 1 to its count of frames, so that
-    every row of a table is divided by the same number of frames), and ``true_scatter``.
+    Columns: ``id``, ``rate`` (Hz), ``frames``; for each quotient of :data:`METRICS` its value in the utterance times
+    its weight (``rmse_shape_sum``, ...; the weight is the number of frames, of ``gv_ratio_sum`` the true scatter);
+    ``corr_undefined``, the number of frames whose correlation is undefined (each adds 0 to the sum of Eq. 19 and 1 to
+    its count of frames, so that every row of a table is divided by the same number); ``true_scatter``; and for each
+    dimension of the appearance parameters the sums of :func:`concordance`.
 
     Raises
     ------
@@ -179,50 +247,82 @@ def score(utterance_id: str, predicted: FaceSequence, true: FaceSequence) -> dic
     correlation = frame_correlation(predicted.appearance, true.appearance)
     undefined = np.isnan(correlation)
     scatter = scatter_over_time(true.appearance)
-    return {
-        "id": utterance_id,
-        "frames": len(true.appearance),
+    means = {
         "rmse_shape": float(frame_rmse(predicted.shape, true.shape).mean()),
         "rmse_texture": float(frame_rmse(predicted.texture, true.texture).mean()),
         "rmse_appearance": float(frame_rmse(predicted.appearance, true.appearance).mean()),
         "corr": float(np.where(undefined, 0.0, correlation).mean()),
         "lip_distance_px": float(frame_point_distance(predicted.lips, true.lips).mean()),
-        "variance_kept": scatter_over_time(predicted.appearance) / scatter if scatter > 0 else float("nan"),
+    }
+    kept = scatter_over_time(predicted.appearance) / scatter if scatter > 0 else 0.0
+    return {
+        "id": utterance_id,
+        "rate": float(rate),
+        "frames": len(true.appearance),
+        **{f"{name}_sum": mean * len(true.appearance) for name, mean in means.items()},
         "corr_undefined": int(undefined.sum()),
+        "gv_ratio_sum": kept * scatter,
         "true_scatter": scatter,
+        **_moments(predicted.appearance, true.appearance),
     }
 
 
+def _moments(predicted, true) -> dict[str, float]:
+    x, y = _pair(predicted, true)
+    names = METRICS["ccc"].columns[1:]
+    sums = zip(names, (x, y, x * x, y * y, x * y), strict=True)
+    return {f"{name}.{i}": float(total) for name, values in sums for i, total in enumerate(values.sum(axis=0))}
+
+
 def score_table(rows: Iterable[dict]):
-    """The per-utterance table (:class:`pandas.DataFrame`) of rows from :func:`score`, sorted by id."""
+    """The table of statistics (:class:`pandas.DataFrame`) of rows from :func:`score`, sorted by id."""
     import pandas
 
-    columns = ["id", "frames", *METRICS, "corr_undefined", "true_scatter"]
-    return pandas.DataFrame(list(rows), columns=columns).sort_values("id", ignore_index=True)
+    rows = list(rows)
+    table = pandas.DataFrame(rows, columns=None if rows else ["id", "rate", "frames"])
+    return table.sort_values("id", ignore_index=True)
 
 
-def sums(table, metric: Metric) -> tuple[np.ndarray, np.ndarray]:
-    """Numerator and denominator of a measure, each (utterances,): the corpus figure is the quotient of their sums.
+def statistics_of(table, metric: Metric) -> np.ndarray:
+    """What a measure needs of each utterance, (utterances, k): its figure follows from sums over any utterances.
 
     Raises
     ------
     DataError
         The table lacks a column of the measure.
     """
-    for column in (metric.name, metric.weight):
-        if column not in table:
-            raise DataError(f"a per-utterance table lacks the column `{column}`; delete it and run again.")
-    weight = table[metric.weight].to_numpy(dtype=np.float64)
-    value = table[metric.name].to_numpy(dtype=np.float64)
-    # An utterance of weight 0 has no value (0/0) and takes no part.
-    return np.where(weight > 0, np.nan_to_num(value) * weight, 0.0), weight
+    found = [_columns(table, name) for name in metric.columns]
+    if not all(found):
+        name = metric.columns[found.index([])]
+        raise DataError(
+            f"a table of statistics lacks the column `{name}`, which `{metric.name}` needs. Delete the table and run "
+            "again."
+        )
+    # Each column in one piece: its sum has the same bits whatever stands beside it.
+    return np.array([table[column].to_numpy(dtype=np.float64) for columns in found for column in columns]).T
+
+
+def is_measured(table, metric: Metric) -> bool:
+    """Whether a table holds all statistics of a measure."""
+    return all(_columns(table, name) for name in metric.columns)
+
+
+def _columns(table, name: str) -> list[str]:
+    """The column of that name, or those of a vector; empty where there is neither."""
+    if name in table:
+        return [name]
+    return [f"{name}.{i}" for i in takewhile(lambda i: f"{name}.{i}" in table, count())]
+
+
+def total(statistics: np.ndarray) -> np.ndarray:
+    """Sums over utterances, (..., utterances, k) -> (..., k)."""
+    return np.stack([statistics[..., place].sum(axis=-1) for place in range(statistics.shape[-1])], axis=-1)
 
 
 def corpus_figure(table, name: str) -> float:
-    """Eq. 16-19 (or another of :data:`METRICS`) over all utterances of a per-utterance table; NaN where 0/0."""
-    numerator, denominator = sums(table, metric_named(name))
-    total = denominator.sum()
-    return float(numerator.sum() / total) if total > 0 else float("nan")
+    """Eq. 16-19 (or another of :data:`METRICS`) over all utterances of a table of statistics; NaN where undefined."""
+    metric = metric_named(name)
+    return float(metric.value(total(statistics_of(table, metric))))
 
 
 def _pair(predicted, true) -> tuple[np.ndarray, np.ndarray]:

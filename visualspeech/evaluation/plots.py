@@ -11,6 +11,7 @@ from contextlib import contextmanager
 import numpy as np
 
 from visualspeech.errors import DataError
+from visualspeech.speech.phones import SILENCE
 
 #: Okabe and Ito's colours, told apart by colour-blind readers too.
 COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#7f7f7f", "#000000")
@@ -66,44 +67,41 @@ def _png(figure) -> bytes:
     return buffer.getvalue()
 
 
-def learning_curves(curves: Mapping[str, object]) -> bytes:
+def learning_curves(panels: Mapping[str, Mapping[str, object]]) -> bytes:
     """Training (dashed) and validation error of each network over the epochs, the best epoch marked.
-
-    Up to six networks share one panel; more are drawn in one panel a stack (the part of the name before ``-``).
 
     Parameters
     ----------
-    curves : name of a network -> table with columns ``epoch``, ``train``, ``validation``
+    panels : title of a panel -> name of a network -> table with columns ``epoch``, ``train``, ``validation``
 
     Returns
     -------
     bytes
         a PNG
     """
-    groups: dict[str, list[str]] = {}
-    for name in curves:
-        groups.setdefault(str(name).partition("-")[0] if len(curves) > 6 else "", []).append(name)
-    across = min(4, max(1, len(groups)))
-    down = -(-max(1, len(groups)) // across)
+    groups = panels or {"": {}}
+    curves = [curve for panel in groups.values() for curve in panel.values()]
+    across = min(4, len(groups))
+    down = -(-len(groups) // across)
     with _style():
         figure = _figure(9.5 if across == 1 else 11, 3.6 if down == 1 else 0.6 + 2.1 * down)
-        panels = figure.subplots(down, across, sharex=True, sharey=True, squeeze=False)
-        for axes in panels.flat[len(groups) :]:
+        grid = figure.subplots(down, across, sharex=True, sharey=True, squeeze=False)
+        for axes in grid.flat[len(groups) :]:
             axes.set_visible(False)
-        for axes in panels.flat[max(0, len(groups) - across) : len(groups)]:
+        for axes in grid.flat[max(0, len(groups) - across) : len(groups)]:
             axes.tick_params(labelbottom=True)
-        for (group, names), axes in zip(groups.items(), panels.flat, strict=False):
-            for place, name in enumerate(names):
-                _curve(axes, curves[name], COLOURS[place % len(COLOURS)], str(name))
-            axes.set_title(group)
+        for (title, panel), axes in zip(groups.items(), grid.flat, strict=False):
+            for place, (name, curve) in enumerate(panel.items()):
+                _curve(axes, curve, COLOURS[place % len(COLOURS)], str(name))
+            axes.set_title(title)
             axes.xaxis.get_major_locator().set_params(integer=True)
             if across > 1:
                 axes.legend(loc="upper right", fontsize=7, handlelength=1.2)
-        errors = [np.asarray(curve[part], float) for curve in curves.values() for part in ("train", "validation")]
+        errors = [np.asarray(curve[part], float) for curve in curves for part in ("train", "validation")]
         finite = np.concatenate([np.zeros(0), *errors])
         finite = finite[np.isfinite(finite)]
         if len(finite) and 0 < finite.min() < finite.max() / 20:
-            panels[0, 0].set_yscale("log")
+            grid[0, 0].set_yscale("log")
         figure.supxlabel("epoch", fontsize=10)
         figure.supylabel("error", fontsize=10)
         figure.suptitle("Validation error (solid), training error (dashed), best epoch (dot)", x=0.01, ha="left")
@@ -137,7 +135,7 @@ def trajectories(
     ----------
     true : shape (T, N); the first ``count`` columns are drawn, one panel each
     predicted : name of a model -> shape (T, N)
-    rate : frames a second
+    rate : frames per second
     phones : (label, start, end) in seconds
     count : number of parameters
     name : letter of the parameters in the panels' titles (v: Eq. 6 of Fan et al. 2015)
@@ -169,7 +167,7 @@ def trajectories(
             # The grid of this picture is the borders of the phones.
             axes.grid(False)
             for place, (label, start, stop) in enumerate(phones):
-                shade = "#f4f4f2" if label == "sil" else ("#e6edf5", "#f6f9fc")[place % 2]
+                shade = "#f4f4f2" if label == SILENCE else ("#e6edf5", "#f6f9fc")[place % 2]
                 axes.axvspan(start, stop, color=shade, linewidth=0, zorder=0)
             axes.plot(times, true[:, column], color=TRUTH, linewidth=1.9, label="recorded", zorder=2)
             for place, (model, values) in enumerate(predicted.items()):
@@ -221,12 +219,7 @@ def mode_pictures(
     Returns
     -------
     bytes
-        a PNG
-
-    Raises
-    ------
-    DataError
-        The array is not of that shape.
+        a PNG; a :class:`DataError` is raised where the array is not of that shape
     """
     pictures = np.asarray(pictures)
     if pictures.ndim != 5 or pictures.shape[-1] != 3 or pictures.dtype != np.uint8 or not pictures.size:

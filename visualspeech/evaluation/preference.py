@@ -6,7 +6,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from visualspeech.errors import DataError, SettingError
-from visualspeech.evaluation.sheets import Cell, Sheet
+from visualspeech.evaluation.layout import Cell, Row, Table
+from visualspeech.evaluation.published_results import Published
 
 ANSWERS = ("A", "neutral", "B")
 
@@ -82,62 +83,96 @@ class Preference:
     listeners, pairs : how many took part, how many pairs they saw
     p : of the sign test of the two models over listeners and pairs, neutral answers left out, two-sided; answers of
         one listener are taken as independent, as such tests do
+    blank : rows of the answer sheets without an answer
     """
 
     counts: Mapping[str, int]
     listeners: int
     pairs: int
     p: float
+    blank: int = 0
 
     def share(self, name: str) -> float:
         """Share of all answers."""
         return self.counts[name] / sum(self.counts.values())
 
 
-def tally(answers, key) -> Preference:
-    """Count filled-in answer sheets (a data frame: listener, pair, answer) by the key.
+def tally(answers, key, path: str = "the answer sheet") -> Preference:
+    """Count filled-in answer sheets by the key; rows without an answer are ignored.
+
+    Parameters
+    ----------
+    answers : data frame with the columns ``listener``, ``pair``, ``answer``
+    key : from :func:`key_table`
+    path : the file of the answers, for messages
 
     Raises
     ------
     DataError
-        An answer is none of A, neutral and B, names a pair that the key lacks, or there is none.
+        There is no answer, or one is none of A, neutral and B, or is to a pair that the key lacks.
     """
     from scipy.stats import binomtest
 
-    shown = {row.pair: (row.A, row.B) for row in key.itertuples()}
-    models = sorted({model for pair in shown.values() for model in pair})
+    answers = answers.assign(answer=answers["answer"].astype(str).str.strip())
+    given = answers[answers["answer"] != ""]
+    if not len(given):
+        raise DataError(
+            f"{path} holds no answers. Fill in its columns `listener` and `answer` ({', '.join(ANSWERS)}), one row per "
+            "listener and pair, and run the same command again."
+        )
+    videos = {row.pair: (row.A, row.B) for row in key.itertuples()}
+    models = sorted({model for pair in videos.values() for model in pair})
     counts = {models[0]: 0, "neutral": 0, models[1]: 0}
-    for row in answers.itertuples():
-        if row.answer not in ANSWERS or row.pair not in shown:
+    for row in given.itertuples():
+        if row.answer not in ANSWERS or row.pair not in videos:
             raise DataError(
-                f"the answer {row.answer!r} of listener {row.listener!r} to pair {row.pair!r} cannot be counted: "
-                f"answers are {', '.join(ANSWERS)}, pairs are 1 to {len(shown)}."
+                f"{path}: the answer {row.answer!r} of listener {row.listener!r} to pair {row.pair!r} cannot be "
+                f"counted. Answers are {', '.join(ANSWERS)}; pairs are 1 to {len(videos)}. Correct the row and run the "
+                "same command again."
             )
-        counts["neutral" if row.answer == "neutral" else shown[row.pair][row.answer == "B"]] += 1
-    if not len(answers):
-        raise DataError("there is no answer to count. Fill in the answer sheet, a row for each listener and pair.")
+        counts["neutral" if row.answer == "neutral" else videos[row.pair][row.answer == "B"]] += 1
     decided = counts[models[0]] + counts[models[1]]
     p = binomtest(counts[models[0]], decided).pvalue if decided else 1.0
-    return Preference(counts, answers["listener"].nunique(), answers["pair"].nunique(), float(p))
+    listeners, pairs = given["listener"].nunique(), given["pair"].nunique()
+    return Preference(counts, listeners, pairs, float(p), len(answers) - len(given))
 
 
-def preference_frame(found: Preference, published: Mapping[str, float]):
+def preference_frame(found: Preference, paper: Published | None = None):
     """Shares of answers as a data frame: source, answer, count, share."""
     import pandas
 
-    lines = [("ours", name, count, found.share(name)) for name, count in found.counts.items()]
-    lines += [("published", name, np.nan, share) for name, share in published.items()]
+    lines = [("run", name, count, found.share(name)) for name, count in found.counts.items()]
+    lines += [("published", name, np.nan, share) for name, share in (paper.preference if paper else {}).items()]
     return pandas.DataFrame(lines, columns=["source", "answer", "count", "share"])
 
 
-def preference_sheets(found: Preference, published: Mapping[str, float], source: str) -> tuple[Sheet, ...]:
-    """Fig. 4 as a table: ours, and as published."""
-    ours = tuple(Cell(f"{found.share(name):.1%}", f"({count})") for name, count in found.counts.items())
-    facts = (("listeners", str(found.listeners)), ("pairs", str(found.pairs)), ("sign test", f"p = {found.p:.2g}"))
+def preference_tables(
+    found: Preference,
+    facts: Sequence[tuple[str, str]] = (),
+    paper: Published | None = None,
+    titles: Mapping[str, str] | None = None,
+) -> tuple[Table, ...]:
+    """Shares of answers, of the run and as published.
+
+    Parameters
+    ----------
+    facts : what the models were trained on
+    titles : name of a model -> its title
+    """
+    columns = tuple((titles or {}).get(name, name) for name in found.counts)
+    shares = tuple(Cell(f"{found.share(name):.1%}", f"({count})") for name, count in found.counts.items())
+    lines = (
+        *facts,
+        ("listeners", str(found.listeners)),
+        ("pairs", str(found.pairs)),
+        ("sign test", f"p = {found.p:.2g}"),
+        *((("rows without an answer, ignored", str(found.blank)),) if found.blank else ()),
+    )
     note = "The sign test leaves neutral answers out and takes all answers as independent."
-    sheets = [Sheet("Preference", tuple(found.counts), (("share of answers", ours),), facts=facts, notes=(note,))]
-    if published:
-        theirs = tuple(Cell(f"{share:.1%}") for share in published.values())
-        facts = (("source", source),)
-        sheets.append(Sheet("The same as published", tuple(published), (("share of answers", theirs),), facts=facts))
-    return tuple(sheets)
+    title, row = "Preference test", "share of answers"
+    tables = [Table(title, columns, (Row(row, shares),), facts=lines, notes=(note,))]
+    if paper and paper.preference:
+        shares = tuple(Cell(f"{share:.1%}") for share in paper.preference.values())
+        source = (("source", paper.source),)
+        tables.append(Table(f"{title} as published", tuple(paper.preference), (Row(row, shares),), facts=source))
+    return tuple(tables)

@@ -1,10 +1,12 @@
-"""Figures that papers print, to stand beside ours; each with its source, in ``published/*.yaml``."""
+"""Figures that papers print, to stand beside those of a run; each with its source, in ``published/*.yaml``."""
 
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
 from functools import cache
 from pathlib import Path
 
+from visualspeech.errors import SettingError
+from visualspeech.evaluation.metrics import metric_named
 from visualspeech.settings import read_yaml
 
 FOLDER = Path(__file__).parent / "published"
@@ -12,47 +14,79 @@ FOLDER = Path(__file__).parent / "published"
 
 @dataclass(frozen=True)
 class Published:
-    """What a paper prints.
+    """What a paper prints; an empty field is a table that it does not have.
 
     Parameters
     ----------
     source, corpus : for people
     metrics : names of the measures, in the order of its columns
-    topologies : (stack, nodes) -> figures by measure (Table 1 of Fan 2015)
-    stacks, nodes : what the paper trained, which may be more than it prints (its Table 2)
-    systems : name of a system -> figures by measure (its Table 3)
-    preference : answer -> share of the listeners (its Fig. 4)
+    topologies : (stack, nodes) -> figures by measure
+    stacks, nodes : what the paper trained, which may be more than it prints
+    gains : name of a model -> figures by measure: reference models, and the best network
+    best : name of the best network among them
+    preference : answer -> share of the listeners
     """
 
     source: str
     corpus: str
-    metrics: tuple[str, ...]
-    topologies: Mapping[tuple[str, int], Mapping[str, float]]
-    stacks: tuple[str, ...]
-    nodes: tuple[int, ...]
-    systems: Mapping[str, Mapping[str, float]]
-    preference: Mapping[str, float]
+    metrics: tuple[str, ...] = ()
+    topologies: Mapping[tuple[str, int], Mapping[str, float]] = field(default_factory=dict)
+    stacks: tuple[str, ...] = ()
+    nodes: tuple[int, ...] = ()
+    gains: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
+    best: str = ""
+    preference: Mapping[str, float] = field(default_factory=dict)
 
 
 @cache
-def published(experiment: str) -> Published | None:
-    """What the paper of an experiment (``fan2015``) prints; None where nothing of it is kept here."""
-    path = FOLDER / f"{experiment}.yaml"
-    if not path.is_file():
+def published(key: str) -> Published | None:
+    """The figures of one file; None for the empty key.
+
+    The file names ``source``, ``corpus`` and ``metrics``. Its sections, none of which it must have: ``topologies``
+    (``figures`` by stack and nodes; ``trained`` with ``stacks`` and ``nodes``), ``gains`` (``best``, ``figures`` by
+    model), ``preference``.
+
+    Raises
+    ------
+    SettingError
+        There is no such file, or a list of figures is not as long as the list of measures.
+    """
+    if not key:
         return None
-    data = read_yaml(path)
-    metrics = tuple(data["metrics"])
+    known = sorted(path.stem for path in FOLDER.glob("*.yaml"))
+    if key not in known:
+        raise SettingError(f"`published: {key}` is not known. Known: {', '.join(known)}; leave it empty for none.")
+    return published_of(read_yaml(FOLDER / f"{key}.yaml"), key)
+
+
+def shared_metrics(paper: Published | None, metrics: Sequence[str]) -> tuple[str, ...]:
+    """Measures of a table that stands beside published figures: the paper's, or where there is none, all given."""
+    return paper.metrics if paper is not None and paper.metrics else tuple(metrics)
+
+
+def published_of(data: Mapping, key: str) -> Published:
+    """What a file of published figures says; ``key`` is its name in messages. Raises as :func:`published`."""
+    metrics = tuple(metric_named(name).name for name in data.get("metrics", ()))
+
+    def by_metric(figures) -> dict[str, float]:
+        if len(figures) != len(metrics):
+            raise SettingError(f"published/{key}.yaml: {figures} are not {len(metrics)} figures, one for each measure.")
+        return dict(zip(metrics, figures, strict=True))
+
+    topologies, gains = data.get("topologies", {}), data.get("gains", {})
+    trained = topologies.get("trained", {})
     return Published(
         source=data["source"],
         corpus=data["corpus"],
         metrics=metrics,
         topologies={
-            (stack, nodes): dict(zip(metrics, figures, strict=True))
-            for stack, row in data["table_1"].items()
+            (stack, nodes): by_metric(figures)
+            for stack, row in topologies.get("figures", {}).items()
             for nodes, figures in row.items()
         },
-        stacks=tuple(data["table_2"]["stacks"]),
-        nodes=tuple(data["table_2"]["nodes"]),
-        systems={name: dict(zip(metrics, figures, strict=True)) for name, figures in data["table_3"].items()},
-        preference=data["figure_4"],
+        stacks=tuple(trained.get("stacks", ())),
+        nodes=tuple(trained.get("nodes", ())),
+        gains={name: by_metric(figures) for name, figures in gains.get("figures", {}).items()},
+        best=gains.get("best", ""),
+        preference=data.get("preference", {}),
     )

@@ -7,8 +7,6 @@ from pathlib import Path
 from urllib.parse import quote
 
 from visualspeech.corpora.findings import REJECT, Finding
-from visualspeech.evaluation.table_formats import to_html
-from visualspeech.evaluation.tables import ResultTable
 from visualspeech.evaluation.timings import StageTiming
 
 TEMPLATES = Path(__file__).parent / "templates"
@@ -73,45 +71,62 @@ class Video:
 
 
 @dataclass(frozen=True)
-class ReportContent:
-    """Everything that the report shows; an empty field leaves its section out or says that there is nothing.
+class SystemSection:
+    """What the report shows of one system; an empty field leaves its part out.
 
     Parameters
     ----------
-    corpus, experiment : names
-    split_hash : from :func:`visualspeech.provenance.split_hash`
-    drift : the method that removed slow drift
-    consent : whose face the corpus holds and by what permission, as its file says; empty makes the report warn
-    utterances : name of a split -> number of accepted utterances
-    frames : name of a split -> number of frames of them
-    tables : result tables, the first is the main one
-    sheets : further tables as HTML, from :func:`visualspeech.evaluation.sheets.to_html`
+    name : of the system, unique in the report
+    title : for people
+    facts : (name, text) pairs: frame rate, visual coding, ...
+    tables : result tables as HTML, from :func:`visualspeech.evaluation.forms.to_html`; the first is the main one
     learning_curves, trajectories, modes : pictures
     videos : links
-    findings : rejections and warnings of all stages
-    timings : cost of the stages
-    settings : all settings of the run (plain data)
-    versions : name of a program or library -> version
-    licences : (what, where from, terms)
     """
 
-    corpus: str
-    experiment: str
-    split_hash: str
-    drift: str = ""
-    consent: str = ""
-    utterances: Mapping[str, int] = field(default_factory=dict)
-    frames: Mapping[str, int] = field(default_factory=dict)
-    tables: tuple[ResultTable, ...] = ()
-    sheets: tuple[str, ...] = ()
+    name: str
+    title: str
+    facts: tuple[tuple[str, str], ...] = ()
+    tables: tuple[str, ...] = ()
     learning_curves: tuple[Picture, ...] = ()
     trajectories: tuple[Picture, ...] = ()
     modes: tuple[Picture, ...] = ()
     videos: tuple[Video, ...] = ()
+
+
+@dataclass(frozen=True)
+class ReportContent:
+    """Everything that the report of a corpus shows; an empty field leaves its section out or says that it is empty.
+
+    Parameters
+    ----------
+    corpus : name
+    split_hash : from :func:`visualspeech.provenance.split_hash`
+    systems : a section each
+    tables : tables across systems as HTML
+    consent : whose face the corpus holds and by what permission, as its file says; empty makes the report warn
+    utterances : name of a split -> number of accepted utterances
+    findings : rejections and warnings of all stages
+    timings : cost of the stages
+    settings : all settings of the run (plain data)
+    versions : name of a program or library -> version
+    commit, date, command : of the run that made the report; empty where they are not known
+    licences : (what, where from, terms)
+    """
+
+    corpus: str
+    split_hash: str
+    systems: tuple[SystemSection, ...] = ()
+    tables: tuple[str, ...] = ()
+    consent: str = ""
+    utterances: Mapping[str, int] = field(default_factory=dict)
     findings: tuple[Finding, ...] = ()
     timings: tuple[StageTiming, ...] = ()
     settings: Mapping = field(default_factory=dict)
     versions: Mapping[str, str] = field(default_factory=dict)
+    commit: str = ""
+    date: str = ""
+    command: str = ""
     licences: tuple[tuple[str, str, str], ...] = LICENCES
 
 
@@ -123,6 +138,7 @@ def render_report(content: ReportContent) -> str:
     The same content gives the same text.
     """
     from jinja2 import Environment, FileSystemLoader, StrictUndefined
+    from markupsafe import Markup
 
     environment = Environment(
         loader=FileSystemLoader(TEMPLATES),
@@ -131,13 +147,14 @@ def render_report(content: ReportContent) -> str:
         trim_blocks=True,
         lstrip_blocks=True,
     )
-    environment.filters |= {"data_address": _data_address, "link": _link, "figure": _figure, "count": _count}
+    # Tables are HTML already, with all text in them escaped.
+    environment.filters |= {
+        "data_address": _data_address, "link": _link, "figure": _figure, "count": _count, "html": Markup,
+    }  # fmt: skip
     rejected = [one for one in content.findings if one.level == REJECT]
     warnings = [one for one in content.findings if one.level != REJECT]
     return environment.get_template("report.html").render(
         content=content,
-        tables=[_safe(to_html(table)) for table in content.tables],
-        sheets=[_safe(fragment) for fragment in content.sheets],
         rejected=rejected,
         rejected_utterances=len({one.id for one in rejected}),
         warnings=warnings,
@@ -145,13 +162,12 @@ def render_report(content: ReportContent) -> str:
         settings=_settings_text(content.settings),
         total=sum(timing.seconds for timing in content.timings),
         splits=[name for name in ("train", "validation", "test") if name in content.utterances],
+        made=[
+            (name, text)
+            for name, text in (("commit", content.commit), ("date", content.date), ("command", content.command))
+            if text
+        ],
     )
-
-
-def _safe(fragment: str):
-    from markupsafe import Markup
-
-    return Markup(fragment)
 
 
 def _data_address(png: bytes) -> str:

@@ -4,16 +4,15 @@ Utterances, not frames, are drawn: frames of one utterance depend on each other.
 draws, so that a quotient of two rows is drawn as a pair.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from visualspeech.errors import DataError
-from visualspeech.evaluation.metrics import metric_named, sums
+from visualspeech.evaluation.measured import MeasuredRows
+from visualspeech.evaluation.metrics import Metric, metric_named, quotient, statistics_of, total
 from visualspeech.fields import MAX_SEED, Settings, setting
-
-BASE_ROW = "training_mean"
 
 
 @dataclass(frozen=True)
@@ -24,6 +23,11 @@ class BootstrapSettings(Settings):
     samples: int = setting(2000, "Number of bootstrap samples.", minimum=1, maximum=1_000_000)
     level: float = setting(0.95, "Confidence level of the intervals, for example 0.95.", above=0, below=1)
     seed: int = setting(0, "Seed of the bootstrap samples.", minimum=0, maximum=MAX_SEED)
+
+    @property
+    def text(self) -> str:
+        """How the intervals were drawn, for people."""
+        return f"{self.level * 100:g} % percentile bootstrap over utterances, {self.samples} samples, seed {self.seed}"
 
 
 @dataclass(frozen=True)
@@ -61,22 +65,21 @@ class Sampled:
     samples: np.ndarray
 
 
-def sample(numerator: np.ndarray, denominator: np.ndarray, drawn: np.ndarray) -> Sampled:
-    """``sum(numerator) / sum(denominator)`` over utterances, and over those of each sample.
+def sample(table, metric: Metric, drawn: np.ndarray) -> Sampled:
+    """A measure over all utterances, and over those of each bootstrap sample.
 
     Parameters
     ----------
-    numerator, denominator : shape (utterances,)
+    table : statistics of the utterances (:func:`visualspeech.evaluation.metrics.score_table`)
     drawn : from :func:`draws`
     """
+    statistics = statistics_of(table, metric)
     # In blocks, so that memory does not grow with samples times utterances; plain sums, so that the bits do not
     # depend on a linear-algebra library's threads.
     rows = max(1, 2_000_000 // drawn.shape[1])
-    samples = [
-        _quotient(numerator[block].sum(axis=1), denominator[block].sum(axis=1))
-        for block in (drawn[start : start + rows] for start in range(0, len(drawn), rows))
-    ]
-    return Sampled(float(_quotient(numerator.sum(), denominator.sum())), np.concatenate(samples))
+    blocks = (drawn[start : start + rows] for start in range(0, len(drawn), rows))
+    sums = (np.stack([column[block].sum(axis=1) for column in statistics.T], axis=-1) for block in blocks)
+    return Sampled(float(metric.value(total(statistics))), np.concatenate([metric.value(one) for one in sums]))
 
 
 def figure(sampled: Sampled, level: float) -> Figure:
@@ -96,66 +99,49 @@ def relative_figure(row: Sampled, base: Sampled, level: float) -> Figure:
     below = figure(base, level)
     if not (below.low > 0 or below.high < 0):
         return NO_FIGURE
-    return figure(Sampled(row.value / base.value, _quotient(row.samples, base.samples)), level)
+    quotients = quotient(np.stack([row.samples, base.samples], axis=-1))
+    return figure(Sampled(row.value / base.value, quotients), level)
 
 
-def summarise(tables: Mapping[str, object], metrics: Sequence[str], settings: BootstrapSettings, base: str = BASE_ROW):
-    """The summary of all rows: one line a row and measure.
+def summarise(measured: MeasuredRows, metrics: Sequence[str], settings: BootstrapSettings):
+    """The summary of all rows: one line per row and measure.
+
+    Errors are also given as ratios to the training mean's. What a prediction gets right (correlation, variance) is 0
+    for the training mean but for chance, and no ratio to that says anything.
 
     Parameters
     ----------
-    tables : row name (a network or a baseline) -> per-utterance table of :mod:`visualspeech.evaluation.metrics`
+    measured : with a row of the training mean
     metrics : names of measures
     settings : of the bootstrap
-    base : the row that every row is divided by, in the measures of an error. What a prediction gets right (correlation,
-        variance kept) is 0 for the training mean but for chance, and no ratio to that says anything
 
     Returns
     -------
     DataFrame
-        columns ``row metric value low high ratio ratio_low ratio_high``, in the order of ``tables`` and ``metrics``
+        columns ``row metric value low high ratio ratio_low ratio_high``, in the order of the rows and of ``metrics``
 
     Raises
     ------
     SettingError
         A metric is unknown.
     DataError
-        The base row is missing, or rows were evaluated on different utterances.
+        The training mean is missing, or there is no test utterance.
     """
     import pandas
 
     chosen = [metric_named(name) for name in metrics]
-    _check_rows(tables, base)
-    drawn = draws(len(tables[base]), settings)
-    below = {metric.name: sample(*sums(tables[base], metric), drawn) for metric in chosen}
+    base = measured.tables[measured.base.name]
+    drawn = draws(measured.utterances, settings)
+    below = {metric.name: sample(base, metric, drawn) for metric in chosen}
     lines = []
-    for row, table in tables.items():
+    for row, table in measured.tables.items():
         for metric in chosen:
-            sampled = sample(*sums(table, metric), drawn)
+            sampled = sample(table, metric, drawn)
             own = figure(sampled, settings.level)
             ratio = NO_FIGURE
-            if metric.best == "low":
+            if metric.is_error:
                 ratio = relative_figure(sampled, below[metric.name], settings.level)
             lines.append((row, metric.name, own.value, own.low, own.high, ratio.value, ratio.low, ratio.high))
     return pandas.DataFrame(
         lines, columns=["row", "metric", "value", "low", "high", "ratio", "ratio_low", "ratio_high"]
     )
-
-
-def _check_rows(tables: Mapping[str, object], base: str) -> None:
-    if base not in tables:
-        raise DataError(f"the row `{base}` is missing; every row is shown as a ratio to it.")
-    expected = [(name, int(frames)) for name, frames in zip(tables[base]["id"], tables[base]["frames"], strict=True)]
-    for row, table in tables.items():
-        found = [(name, int(frames)) for name, frames in zip(table["id"], table["frames"], strict=True)]
-        if found != expected:
-            odd = sorted(set(found) ^ set(expected))[:3]
-            raise DataError(
-                f"`{row}` and `{base}` were evaluated on different utterances or frames ({len(found)} and "
-                f"{len(expected)} utterances; for example {odd}). Delete the models folder and run again."
-            )
-
-
-def _quotient(numerator, denominator):
-    with np.errstate(divide="ignore", invalid="ignore"):
-        return np.where(np.asarray(denominator) != 0, np.divide(numerator, denominator), np.nan)

@@ -1,26 +1,15 @@
-"""The one definition of a result table; :mod:`visualspeech.evaluation.table_formats` writes it in four forms.
+"""The result table of a system: every row with every measure, and errors as ratios to the training mean."""
 
-A :class:`ResultTable` holds the figures already rounded to the digits that are shown, so that the forms cannot disagree
-and a TSV read back gives the same Markdown, LaTeX and HTML.
-"""
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 
-from collections.abc import Mapping
-from dataclasses import dataclass, field
-
+from visualspeech.evaluation.layout import Cell, Row, Table, best_of, definitions_of, interval, shown
+from visualspeech.evaluation.measured import MeasuredRows
 from visualspeech.evaluation.metrics import METRICS, Metric, metric_named
-from visualspeech.evaluation.statistics import BASE_ROW, BootstrapSettings, summarise
+from visualspeech.evaluation.statistics import BootstrapSettings, summarise
 from visualspeech.fields import Settings, setting
 
-ROW_TITLES = {
-    "hmm_monophone": "HMM of phones",
-    "hmm_tied": "HMM of tied triphones",
-    "hmm_mge": "HMM after minimum generation error",
-    "training_mean": "Training mean",
-    "phone_state_mean": "Mean per phone state",
-    "triphone_state_mean": "Mean per triphone state",
-    "aam_reconstruction": "AAM reconstruction (floor)",
-}
-FLOOR_ROW = "aam_reconstruction"
+#: What the summary has of each row and measure; the columns of the TSV file are named after them.
 PARTS = ("value", "low", "high", "ratio", "ratio_low", "ratio_high")
 
 
@@ -30,7 +19,7 @@ class TableSettings(Settings):
 
     section = "tables"
     metrics: tuple[str, ...] = setting(
-        tuple(METRICS),
+        tuple(name for name in METRICS if name != "ccc"),
         "Measures shown, in the order of the columns.",
         item={"description": "A measure; its formula is in docs/papers.md.", "choices": METRICS},
         min_items=1,
@@ -39,125 +28,111 @@ class TableSettings(Settings):
     digits: int = setting(3, "Number of decimals of the measures.", minimum=0, maximum=12)
     ratio_digits: int = setting(3, "Number of decimals of the ratios to the training mean.", minimum=0, maximum=12)
 
-    def digits_of(self, part: str) -> int:
-        """Number of decimals of a figure, an interval or a ratio (a part of :data:`PARTS`)."""
-        return self.ratio_digits if part.startswith("ratio") else self.digits
 
-
-@dataclass(frozen=True)
-class TableFacts:
-    """What a table was computed on, printed with it.
-
-    Parameters
-    ----------
-    corpus, experiment : names
-    split_hash : from :func:`visualspeech.provenance.split_hash`
-    drift : the method that removed slow drift between recordings (``none`` where it was not)
-    """
-
-    corpus: str
-    experiment: str
-    split_hash: str
-    drift: str
-
-
-@dataclass(frozen=True)
-class ResultTable:
-    """Figures of all rows, rounded as shown.
-
-    Parameters
-    ----------
-    facts : (name, text) pairs printed above the table
-    metrics : columns
-    rows : names of rows, in order
-    cells : (row, metric) -> part of :data:`PARTS` -> figure as text, empty where undefined
-    best : the (row, metric) pairs that are best among the rows that predict (ties on the shown digits all count)
-    """
-
-    facts: tuple[tuple[str, str], ...]
-    metrics: tuple[Metric, ...]
-    rows: tuple[str, ...]
-    cells: Mapping[tuple[str, str], Mapping[str, str]]
-    best: frozenset[tuple[str, str]] = field(default=frozenset())
-
-
-def run_facts(facts: TableFacts, table) -> tuple[tuple[str, str], ...]:
-    """What the figures of a run were computed on, as facts of its sheets; ``table`` is of any of its rows."""
-    return (
-        ("corpus", facts.corpus),
-        ("experiment", facts.experiment),
-        ("split", facts.split_hash),
-        ("drift removal", facts.drift),
-        ("test utterances", str(len(table))),
-        ("test frames", str(int(table["frames"].sum()))),
-    )
-
-
-def result_table(
-    tables: Mapping[str, object],
-    facts: TableFacts,
+def result_tables(
+    measured: MeasuredRows,
+    facts: Sequence[tuple[str, str]],
     settings: TableSettings | None = None,
     bootstrap: BootstrapSettings | None = None,
-) -> ResultTable:
-    """The result table of all rows.
+):
+    """The result table of all rows, as a data frame and for people.
 
     Parameters
     ----------
-    tables : row name (networks as ``FBB-128``, baselines as in :data:`ROW_TITLES`) -> per-utterance table of the test
-        utterances; networks come first in the order given, then the baselines in their fixed order
-    facts : what the figures were computed on
+    measured : the rows in the order of the table, with the training mean
+    facts : what the figures were computed on (:meth:`visualspeech.evaluation.facts.TableFacts.lines`)
     settings, bootstrap : what is shown, and how the intervals are drawn
+
+    Returns
+    -------
+    tuple
+        a data frame with one line per row (column ``row``) and the columns ``metric``, ``metric_low``, ``metric_high``,
+        ``metric_ratio``, ``metric_ratio_low``, ``metric_ratio_high`` of each measure, as text rounded to the digits
+        shown; and two :class:`Table`: figures, and ratios to the training mean
 
     Raises
     ------
-    SettingError
-        A metric is unknown.
-    DataError
-        The training mean's row is missing, or rows were evaluated on different utterances.
+    SettingError, DataError
+        As :func:`visualspeech.evaluation.statistics.summarise`.
     """
     settings, bootstrap = settings or TableSettings(), bootstrap or BootstrapSettings()
-    rows = [row for row in tables if row not in ROW_TITLES] + [row for row in ROW_TITLES if row in tables]
-    summary = summarise({row: tables[row] for row in rows}, settings.metrics, bootstrap)
+    summary = summarise(measured, settings.metrics, bootstrap)
+    digits = {part: settings.ratio_digits if part.startswith("ratio") else settings.digits for part in PARTS}
     cells = {
-        (line.row, line.metric): {part: _shown(getattr(line, part), settings.digits_of(part)) for part in PARTS}
+        (line.row, line.metric): {part: shown(getattr(line, part), digits[part]) for part in PARTS}
         for line in summary.itertuples()
     }
-    lines = [
-        *run_facts(facts, tables[BASE_ROW]),
-        (
-            "intervals",
-            f"{bootstrap.level * 100:g} % percentile bootstrap over utterances, {bootstrap.samples} samples, "
-            f"seed {bootstrap.seed}",
-        ),
-    ]
-    undefined = {row: int(tables[row]["corr_undefined"].sum()) for row in rows}
-    if "corr" in settings.metrics and any(undefined.values()):
-        counts = ", ".join(f"{row} {count}" for row, count in undefined.items() if count)
-        lines.append(("frames with undefined correlation, counted as 0", counts))
-    metrics = tuple(metric_named(name) for name in settings.metrics)
-    return ResultTable(tuple(lines), metrics, tuple(rows), cells, best_cells(rows, metrics, cells))
+    metrics = tuple(map(metric_named, settings.metrics))
+    lines = (*facts, ("intervals", bootstrap.text), *_undefined(measured, metrics))
+    base = measured.base.title.lower()
+    figures = Table(
+        "Objective measures",
+        tuple(metric.heading for metric in metrics),
+        _rows(measured, metrics, cells, "value", best_cells(measured, metrics, cells)),
+        facts=lines,
+        notes=("The best value in each column is bold.",),
+    )
+    ratios = Table(
+        f"Objective measures: ratio to the {base}",
+        tuple(metric.title for metric in metrics),
+        _rows(measured, metrics, cells, "ratio", frozenset()),
+        notes=_note(base, cells),
+        definitions=definitions_of(metrics),
+    )
+    return _frame(measured, metrics, cells), (figures, ratios)
 
 
-def _shown(value: float, digits: int) -> str:
-    if value != value:
-        return ""
-    text = f"{value:.{digits}f}"
-    # No negative zero: "-0.000" would look like a finding.
-    return text.removeprefix("-") if float(text) == 0 else text
+def best_cells(measured: MeasuredRows, metrics: Sequence[Metric], cells: Mapping) -> frozenset[tuple[str, str]]:
+    """The (row, metric) pairs with the best figures as shown; the floor knows the truth and is left out."""
+    rows = [row.name for row in measured.rows if row.role != "floor"]
+    return frozenset(
+        (row, metric.name)
+        for metric in metrics
+        for row in best_of(metric, {row: cells[row, metric.name]["value"] for row in rows})
+    )
 
 
-def best_cells(rows, metrics, cells) -> frozenset[tuple[str, str]]:
-    """The (row, metric) pairs whose shown figure no other predicting row beats; the floor knows the truth: left out."""
-    found = set()
+def _rows(measured: MeasuredRows, metrics, cells, part: str, best: frozenset) -> tuple[Row, ...]:
+    low, high = ("low", "high") if part == "value" else ("ratio_low", "ratio_high")
+    return tuple(
+        Row(
+            row.title,
+            tuple(
+                Cell(cell[part], interval(cell[low], cell[high]), best=(row.name, metric.name) in best)
+                for metric in metrics
+                for cell in (cells[row.name, metric.name],)
+            ),
+            row.role,
+        )
+        for row in measured.rows
+    )
+
+
+def _frame(measured: MeasuredRows, metrics, cells):
+    import pandas
+
+    columns = {"row": [row.name for row in measured.rows]}
     for metric in metrics:
-        costs = {}
-        for row in rows:
-            text = cells[row, metric.name]["value"]
-            if row != FLOOR_ROW and text:
-                # Rounded, so that 0.9 and 1.1 are equally far from 1.
-                costs[row] = {"low": float(text), "high": -float(text), "one": round(abs(float(text) - 1), 12)}[
-                    metric.best
-                ]
-        if len(costs) > 1:
-            found |= {(row, metric.name) for row, cost in costs.items() if cost == min(costs.values())}
-    return frozenset(found)
+        for part in PARTS:
+            name = metric.name if part == "value" else f"{metric.name}_{part}"
+            columns[name] = [cells[row.name, metric.name][part] for row in measured.rows]
+    return pandas.DataFrame(columns)
+
+
+def _undefined(measured: MeasuredRows, metrics) -> tuple[tuple[str, str], ...]:
+    """How many frames of which row have no correlation, where there are any."""
+    if not any(metric.name == "corr" for metric in metrics):
+        return ()
+    counts = {row.title: int(measured.tables[row.name]["corr_undefined"].sum()) for row in measured.rows}
+    text = ", ".join(f"{title} {count}" for title, count in counts.items() if count)
+    return (("frames with undefined correlation, counted as 0", text),) if text else ()
+
+
+def _note(base: str, cells: Mapping) -> tuple[str, ...]:
+    """Why a ratio is missing, where one is."""
+    if all(cell["ratio"] for cell in cells.values()):
+        return ()
+    return (
+        f"Ratios are given for errors only. The {base} has no variance over time and correlates only by chance, so a "
+        "ratio to it says nothing; nor is there a ratio where the interval of its error includes 0.",
+    )

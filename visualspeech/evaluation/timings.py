@@ -1,4 +1,4 @@
-"""What the stages of a run cost: seconds, memory, and frames a second."""
+"""What the stages of a run cost: seconds, memory, and frames per second."""
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
@@ -30,28 +30,39 @@ class StageTiming:
 
     @property
     def frames_per_second(self) -> float:
-        """Frames a second of one job; NaN where frames have no meaning."""
+        """Frames per second of one job; NaN where frames have no meaning."""
         return self.frames / self.seconds if self.frames and self.seconds > 0 else float("nan")
 
 
-def read_timings(folders: Iterable[str | Path], frames: Mapping[str, int] | None = None) -> tuple[StageTiming, ...]:
+#: Name of the folders that hold the benchmark files of jobs.
+FOLDER = "benchmarks"
+
+
+def stage_of(path: str | Path) -> str:
+    """The stage of a benchmark file ``benchmarks/<stage>.tsv`` or ``benchmarks/<stage>/.../<job>.tsv``."""
+    parts = Path(path).with_suffix("").parts
+    last = max((place for place, part in enumerate(parts[:-1]) if part == FOLDER), default=len(parts) - 2)
+    return parts[last + 1]
+
+
+def read_timings(paths: Iterable[str | Path], frames: Mapping[str, int] | None = None) -> tuple[StageTiming, ...]:
     """Cost of every stage, in the order in which the stages ended.
 
     Parameters
     ----------
-    folders : each holds a table ``<stage>.tsv`` or a folder ``<stage>`` of such tables, one a job, with the columns
-        ``s`` (wall-clock seconds) and ``max_rss`` (MB); the last line of a table counts
+    paths : benchmark files, one per job, with the columns ``s`` (wall-clock seconds) and ``max_rss`` (MB); the last
+        line of a file counts. Files that are missing or half-written are left out
     frames : stage -> frames it went through
     """
+    stages: dict[str, list[Path]] = {}
+    for path in map(Path, paths):
+        stages.setdefault(stage_of(path), []).append(path)
     found = []
-    for folder in map(Path, folders):
-        for path in sorted(folder.iterdir()) if folder.is_dir() else ():
-            tables = sorted(path.rglob("*.tsv")) if path.is_dir() else [path]
-            jobs = [job for job in map(_job, tables) if job is not None]
-            if jobs:
-                ended = max(table.stat().st_mtime for table in tables)
-                stage = path.name if path.is_dir() else path.stem
-                found.append((ended, _stage(stage, jobs, (frames or {}).get(stage, 0))))
+    for stage, files in stages.items():
+        measured = [(path, cost) for path, cost in ((path, _job(path)) for path in files) if cost is not None]
+        if measured:
+            ended = max(path.stat().st_mtime for path, _ in measured)
+            found.append((ended, _stage(stage, [cost for _, cost in measured], (frames or {}).get(stage, 0))))
     return tuple(timing for _, timing in sorted(found, key=lambda one: (one[0], one[1].stage)))
 
 

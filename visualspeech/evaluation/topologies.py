@@ -1,23 +1,19 @@
-"""Table 1 of Fan et al. (2015) from our networks, beside the figures that the paper prints."""
+"""Stacks of layers by topology and width, as in Table 1 of Fan et al. (2015), beside published figures."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 
 import numpy as np
 
-from visualspeech.errors import DataError
+from visualspeech.evaluation.layout import Cell, Row, Table
+from visualspeech.evaluation.measured import MeasuredRows
 from visualspeech.evaluation.metrics import METRICS, corpus_figure
 from visualspeech.evaluation.published_results import Published
-from visualspeech.evaluation.repetitions import mean_and_deviation
-from visualspeech.evaluation.sheets import Cell, Sheet
-from visualspeech.evaluation.statistics import BASE_ROW
-from visualspeech.evaluation.table_formats import column_title
-from visualspeech.naming import cells_of, parse_name
+from visualspeech.models.rows import ModelRow
 
-#: The measures of Table 1, in its order.
-PAPER_METRICS = ("rmse_shape", "rmse_texture", "rmse_appearance", "corr")
-COLUMNS = ("source", "topology", "nodes", "metric", "value", "deviation", "ratio", "ratio_deviation", "seeds",
+FAMILY = "stack"
+COLUMNS = ("source", "group", "topology", "nodes", "metric", "value", "deviation", "ratio", "ratio_deviation", "seeds",
            "collapsed", "best")  # fmt: skip
-OURS, PAPER = "ours", "published"
+RUN, PUBLISHED = "run", "published"
 
 #: A network that learned nothing predicts one face whatever is said: its error is the training mean's, its
 #: correlation is chance. Between the paper's collapsed cells (up to .03) and its worst others (.19 and .43) lies .1.
@@ -36,16 +32,19 @@ def is_collapsed(correlation: float, ratio: float) -> bool:
     return bool(abs(correlation) < LEAST_CORRELATION and ratio > 1 - LEAST_GAIN)
 
 
-def topology_frame(tables: Mapping[str, object], paper: Published | None = None):
-    """All figures of the table of topologies as a data frame with :data:`COLUMNS`, a line a cell and measure.
+def topology_frame(measured: MeasuredRows, metrics: Sequence[str], paper: Published | None = None):
+    """All figures of the table of topologies as a data frame with :data:`COLUMNS`, one line per cell and measure.
 
-    Our figures are means over the seeds of a cell with the sample standard deviation (NaN of one seed); ``collapsed``
-    counts the seeds that collapsed to the mean predictor. Ratios are given of errors and are to the training mean. The
-    paper prints no such row: :func:`stand_in` serves instead. ``best`` marks the best of each measure and source.
+    Figures of the run are means over the seeds of a cell with the sample standard deviation (NaN of one seed);
+    ``collapsed`` counts the seeds that collapsed to the mean predictor. Ratios are given of errors and are to the
+    training mean. A paper may print no such row: :func:`stand_in` serves instead. ``best`` marks the best value of each
+    measure in each group and source.
 
     Parameters
     ----------
-    tables : row name -> per-utterance table, with the training mean's; rows that are no network are left out
+    measured : the stacks (rows of the family ``stack`` with the settings ``letters`` and ``nodes``) and the training
+        mean; other rows are left out
+    metrics : names of measures
     paper : the published figures, if there are any
 
     Raises
@@ -55,121 +54,152 @@ def topology_frame(tables: Mapping[str, object], paper: Published | None = None)
     """
     import pandas
 
-    if BASE_ROW not in tables:
-        raise DataError(f"the row `{BASE_ROW}` is missing; every network is shown as a ratio to it.")
-    base = {metric: corpus_figure(tables[BASE_ROW], metric) for metric in PAPER_METRICS}
+    table = measured.tables[measured.base.name]
+    base = {metric: corpus_figure(table, metric) for metric in {*metrics, "rmse_appearance"}}
     lines = []
-    for cell, names in cells_of(tables).items():
-        repetitions = [tables[name] for name in names]
-        place = (OURS, parse_name(cell).row, parse_name(cell).nodes)
-        collapsed = sum(
-            is_collapsed(
-                corpus_figure(table, "corr"), corpus_figure(table, "rmse_appearance") / base["rmse_appearance"]
-            )
-            for table in repetitions
-        )
-        for metric in PAPER_METRICS:
-            figure = mean_and_deviation(repetitions, metric)
-            ratio = [part / base[metric] if METRICS[metric].best == "low" else np.nan for part in figure]
-            lines.append((*place, metric, *figure, *ratio, len(names), collapsed, False))
+    for rows in _stacks(measured).values():
+        first, collapsed = rows[0], sum(_collapsed(measured, row, base["rmse_appearance"]) for row in rows)
+        place = (RUN, first.group, first.settings["letters"], first.settings["nodes"])
+        for metric in metrics:
+            figure = measured.mean_and_deviation(rows, metric)
+            ratio = [part / base[metric] if METRICS[metric].is_error else np.nan for part in figure]
+            lines.append((*place, metric, *figure, *ratio, len(rows), collapsed, False))
     if paper is not None:
         lines += _published_lines(paper)
     return _with_best(pandas.DataFrame(lines, columns=list(COLUMNS)))
 
 
+def _stacks(measured: MeasuredRows) -> dict[str, tuple[ModelRow, ...]]:
+    return {cell: rows for cell, rows in measured.cells().items() if rows[0].family == FAMILY}
+
+
+def _collapsed(measured: MeasuredRows, row: ModelRow, base: float) -> bool:
+    table = measured.tables[row.name]
+    return is_collapsed(corpus_figure(table, "corr"), corpus_figure(table, "rmse_appearance") / base)
+
+
 def stand_in(paper: Published) -> dict[str, float]:
     """The figures that serve as the training mean's of a paper that prints none, by measure; empty where none can.
 
-    A network that predicts one constant face has a CORR of about 0. The paper's cells with a CORR below .1 agree in
-    their errors within 1 in 300, as predictors of one and the same constant must; the median of their errors is taken.
-    It is an inference from the paper's table and not a figure of it.
+    A network that predicts one constant face has a CORR of about 0. The cells of Fan et al. with a CORR below .1 agree
+    in their errors within 1 in 300, as predictors of one and the same constant must; the median of their errors is
+    taken. It is an inference from the paper's table and not a figure of it.
     """
-    flat = [cell for cell in paper.topologies.values() if abs(cell["corr"]) < LEAST_CORRELATION]
-    errors = [metric for metric in paper.metrics if METRICS[metric].best == "low"]
+    flat = [cell for cell in paper.topologies.values() if abs(cell.get("corr", 1.0)) < LEAST_CORRELATION]
+    errors = [metric for metric in paper.metrics if METRICS[metric].is_error]
     return {metric: float(np.median([cell[metric] for cell in flat])) for metric in errors} if flat else {}
 
 
 def _published_lines(paper: Published) -> list[tuple]:
     base, lines = stand_in(paper), []
     for (stack, nodes), figures in paper.topologies.items():
-        ratio = figures["rmse_appearance"] / base["rmse_appearance"] if base else 0.0
-        collapsed = int(is_collapsed(figures["corr"], ratio))
+        ratio = figures["rmse_appearance"] / base["rmse_appearance"] if "rmse_appearance" in base else 0.0
+        place, collapsed = (PUBLISHED, "", stack, nodes), int(is_collapsed(figures.get("corr", 1.0), ratio))
         for metric in paper.metrics:
             of_base = figures[metric] / base[metric] if metric in base else np.nan
-            lines.append((PAPER, stack, nodes, metric, figures[metric], np.nan, of_base, np.nan, 1, collapsed, False))
+            lines.append((*place, metric, figures[metric], np.nan, of_base, np.nan, 1, collapsed, False))
     return lines
 
 
 def _with_best(frame):
-    cost = frame["value"].where(frame["metric"].map(lambda name: METRICS[name].best == "low"), -frame["value"])
-    least = cost.groupby([frame["source"], frame["metric"]]).transform("min")
+    cost = frame["value"].copy()
+    for name in frame["metric"].unique():
+        of_metric = frame["metric"] == name
+        cost[of_metric] = METRICS[name].cost(frame.loc[of_metric, "value"])
+    least = cost.groupby([frame["source"], frame["group"], frame["metric"]]).transform("min")
     return frame.assign(best=cost == least)
 
 
 def agreement(frame) -> tuple[float, int]:
-    """Spearman's rank correlation of our RMSE(appearance) with the paper's, and over how many cells.
+    """Spearman's rank correlation of the run's RMSE(appearance) with the published one, and over how many cells.
 
-    Cells that collapsed in either are left out: their order is chance. NaN of fewer than four cells.
+    Cells of the first group count; those that collapsed in either are left out: their order is chance. NaN of fewer
+    than four cells.
     """
     from scipy.stats import spearmanr
 
     errors = frame[(frame["metric"] == "rmse_appearance") & (frame["collapsed"] == 0)]
-    ours, theirs = (
-        errors[errors["source"] == source].set_index(["topology", "nodes"])["value"] for source in (OURS, PAPER)
+    first = frame.loc[frame["source"] == RUN, "group"].head(1)
+    run, published = (
+        errors[(errors["source"] == source) & errors["group"].isin(groups)].set_index(["topology", "nodes"])["value"]
+        for source, groups in ((RUN, first), (PUBLISHED, [""]))
     )
-    common = [cell for cell in ours.index if cell in theirs.index]
+    common = [cell for cell in run.index if cell in published.index]
     if len(common) < 4:
         return float("nan"), len(common)
-    return float(spearmanr(ours[common], theirs[common]).statistic), len(common)
+    return float(spearmanr(run[common], published[common]).statistic), len(common)
 
 
-def topology_sheets(
-    frame, facts: Sequence[tuple[str, str]], paper: Published | None = None, digits: int = 3, ratio_digits: int = 3
-) -> tuple[Sheet, ...]:
-    """The table in the paper's layout: nodes across, topologies down, four measures each; figures, then ratios.
+def topology_tables(
+    frame,
+    measured: MeasuredRows,
+    facts: Sequence[tuple[str, str]],
+    paper: Published | None = None,
+    digits: int = 3,
+    ratio_digits: int = 3,
+) -> tuple[Table, ...]:
+    """The table in the paper's layout: nodes across, topologies down; figures, then ratios; one for each group.
 
     Parameters
     ----------
-    frame : from :func:`topology_frame`
-    facts : what our figures were computed on
+    frame : from :func:`topology_frame`, with the rows it was made of
+    facts : what the figures of the run were computed on
     paper : source of the published figures, for the notes
     digits, ratio_digits : after the point
     """
-    sheets = []
-    for source, title in ((OURS, "Networks by topology and nodes"), (PAPER, "The same as published")):
-        part = frame[frame["source"] == source]
-        if not len(part):
-            continue
-        notes = _notes(part, source, paper)
-        if source == PAPER:
-            facts = (("source", paper.source), ("its corpus", paper.corpus))
-        elif (found := agreement(frame))[0] == found[0]:
-            text = f"{found[0]:.2f} over {found[1]} cells"
-            facts = (*facts, ("rank correlation of RMSE(appearance) with the published one", text))
-        sheets.append(_sheet(part, "value", PAPER_METRICS, digits, title, facts, notes))
-        errors = [metric for metric in PAPER_METRICS if METRICS[metric].best == "low"]
-        if part["ratio"].notna().any():
-            to = "training mean" if source == OURS else "cells that collapsed to a mean predictor"
-            sheets.append(_sheet(part, "ratio", errors, ratio_digits, f"{title}: ratio to the {to}", (), ()))
-    return tuple(sheets)
+    tables, groups = [], list(dict.fromkeys(frame.loc[frame["source"] == RUN, "group"]))
+    mean = f"ratio to the {measured.base.title.lower()}"
+    rank = agreement(frame)
+    if rank[0] == rank[0]:
+        text = f"{rank[0]:.2f} over {rank[1]} cells"
+        facts = (*facts, ("rank correlation of RMSE(appearance) with the published one", text))
+    for place, group in enumerate(groups):
+        part = frame[(frame["source"] == RUN) & (frame["group"] == group)]
+        title = "Networks by topology and nodes" + (f": {group}" if len(groups) > 1 else "")
+        shown = (*(facts if not place else ()), *_stack_facts(measured, group))
+        tables += _tables(part, title, mean, shown, _notes(part), digits, ratio_digits)
+    part = frame[frame["source"] == PUBLISHED]
+    if len(part):
+        shown = (("source", paper.source), ("corpus of the paper", paper.corpus))
+        title, to = "Networks by topology and nodes as published", "ratio to the collapsed cells"
+        tables += _tables(part, title, to, shown, [*_notes(part), *_paper_notes(paper)], digits, ratio_digits)
+    return tuple(tables)
 
 
-def _sheet(part, column: str, metrics, digits: int, title: str, facts, notes) -> Sheet:
+def _stack_facts(measured: MeasuredRows, group: str) -> tuple[tuple[str, str], ...]:
+    """What the stacks of a group read, and what their width counts."""
+    first = next(row for row in measured.rows if row.family == FAMILY and row.group == group)
+    counts = first.settings.get("b_nodes", "")
+    lines = (
+        ("input blocks", ", ".join(first.reads)),
+        ("nodes of a B layer count", {"direction": "one direction", "layer": "both directions"}.get(counts, counts)),
+    )
+    return tuple((name, text) for name, text in lines if text)
+
+
+def _tables(part, title: str, ratio: str, facts, notes, digits: int, ratio_digits: int) -> list[Table]:
+    """Figures, and where there are any, ratios."""
+    metrics = list(dict.fromkeys(part["metric"]))
+    errors = [metric for metric in metrics if METRICS[metric].is_error]
+    tables = [_table(part, "value", metrics, digits, title, facts, notes)]
+    if part["ratio"].notna().any():
+        tables.append(_table(part, "ratio", errors, ratio_digits, f"{title}: {ratio}", (), ()))
+    return tables
+
+
+def _table(part, column: str, metrics, digits: int, title: str, facts, notes) -> Table:
     widths = sorted(part["nodes"].unique())
-    topologies = list(dict.fromkeys(part["topology"]))
     found = {(row.topology, row.nodes, row.metric): row for row in part.itertuples()}
-    rows = [
-        (
-            topology.replace("-rich", " (richer labels)"),
-            tuple(
-                _cell(found.get((topology, nodes, metric)), column, digits) for nodes in widths for metric in metrics
-            ),
+    rows = (
+        Row(
+            topology,
+            tuple(_cell(found.get((topology, n, metric)), column, digits) for n in widths for metric in metrics),
         )
-        for topology in topologies
-    ]
-    return Sheet(
+        for topology in dict.fromkeys(part["topology"])
+    )
+    return Table(
         title=title,
-        columns=tuple(column_title(METRICS[metric]) for _ in widths for metric in metrics),
+        columns=tuple(METRICS[metric].heading for _ in widths for metric in metrics),
         rows=tuple(rows),
         groups=tuple((str(nodes), len(metrics)) for nodes in widths),
         facts=tuple(facts),
@@ -188,8 +218,8 @@ def _cell(row, column: str, digits: int) -> Cell:
     return Cell(f"{getattr(row, column):.{digits}f}", small.strip(), bool(row.best), bool(row.collapsed))
 
 
-def _notes(part, source: str, paper: Published | None) -> list[str]:
-    notes = ["The best figure of each measure is bold."]
+def _notes(part) -> list[str]:
+    notes = ["The best value of each measure is bold."]
     if part["seeds"].max() > 1:
         notes.append(f"Mean and standard deviation over {part['seeds'].max()} seeds.")
     if (part["collapsed"] > 0).any():
@@ -199,19 +229,19 @@ def _notes(part, source: str, paper: Published | None) -> list[str]:
             f"predictor: |CORR| below {LEAST_CORRELATION:g} and RMSE(appearance) less than {LEAST_GAIN:.0%} better "
             "than the training mean's. Such a network shows one face whatever is said."
         )
-    if source == PAPER:
-        base = stand_in(paper)
-        if base:
-            figures = ", ".join(f"{METRICS[metric].title} {value:.3f}" for metric, value in base.items())
-            notes.append(
-                "The paper prints no row of the training mean. Its cells with a CORR of about 0 agree in their errors, "
-                f"as predictors of one constant face do; their median ({figures}) stands for that row in the ratios. "
-                "This is inferred from the table and is no figure of the paper."
-            )
-        if len(paper.stacks) * len(paper.nodes) > len(paper.topologies):
-            notes.append(
-                f"The paper trained {len(paper.stacks) * len(paper.nodes)} networks and prints the "
-                f"{len(paper.topologies)} of three layers."
-            )
-        notes.append("Figures of two corpora are in different units: compare ratios and ranks.")
     return notes
+
+
+def _paper_notes(paper: Published) -> list[str]:
+    notes, base = [], stand_in(paper)
+    if base:
+        figures = ", ".join(f"{METRICS[metric].title} {value:.3f}" for metric, value in base.items())
+        notes.append(
+            "The paper prints no row of the training mean. Its cells with a CORR of about 0 agree in their errors, as "
+            f"predictors of one constant face do; their median ({figures}) stands for that row in the ratios. This is "
+            "inferred from the table and is not a figure of the paper."
+        )
+    trained = len(paper.stacks) * len(paper.nodes)
+    if trained > len(paper.topologies):
+        notes.append(f"The paper trained {trained} networks and prints the figures of {len(paper.topologies)}.")
+    return [*notes, "Figures of two corpora are in different units: compare ratios and ranks."]

@@ -1,6 +1,6 @@
 """A pinhole camera that looks at a head: projection, its derivatives, and the pose that explains image points.
 
-Coordinates: image x right, y down in pixels from the picture's top left corner; camera x right, y down, z away from
+Coordinates: image x right, y down in pixels from the image's top left corner; camera x right, y down, z away from
 the camera; a head point X (in head coordinates) lies at ``R X + t`` and is seen at ``focal (x, y) / z + centre``.
 Rotations are Rodrigues vectors (axis times angle in radians). All functions work on a batch of T frames at once.
 """
@@ -66,9 +66,9 @@ def solve_pose(
     points : (T, n, 2) image pixels
     model : (n, 3) the same points in head coordinates
     weights : (n,) weight of each point in the squared error
-    start : rotation (T, 3) and translation (T, 3) to start from; else facing the camera, at the place and distance
-        that fit
-    robust : errors beyond this many median absolute errors of the frame count less (Huber); 0 for plain least squares
+    start : rotation (T, 3) and translation (T, 3) to start from; by default facing the camera, with the translation
+        that fits
+    robust : errors beyond this many median absolute errors of the frame get less weight (Huber); 0 for least squares
 
     Returns
     -------
@@ -132,15 +132,15 @@ def solve_translation(
 
 
 def _limit(residual: np.ndarray, robust: float) -> np.ndarray:
-    """Error in pixels (T, 1) from which on a point is taken for an outlier of its frame."""
+    """Error in pixels (T, 1) beyond which a point is an outlier of its frame."""
     if robust <= 0:
         return np.full((len(residual), 1), np.inf)
-    # At least half a pixel: with fewer, rounding would decide who is an outlier.
+    # At least half a pixel: with less, rounding would decide which points are outliers.
     return np.maximum(robust * np.median(np.linalg.norm(residual, axis=-1), axis=1), 0.5)[:, None]
 
 
 def _huber(residual: np.ndarray, weights: np.ndarray, limit: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Weights (T, n) of a re-weighted least-squares step, and the cost (T,) that it must not let grow."""
+    """Weights (T, n) of a re-weighted least-squares step, and the cost (T,) that the step must not raise."""
     size = np.linalg.norm(residual, axis=-1)
     factor = np.minimum(1, limit / np.maximum(size, 1e-12))
     with np.errstate(invalid="ignore"):

@@ -5,8 +5,8 @@ Three things make it steadier and faster than detecting and predicting frame by 
 - the box is a fixed function of the last frame's rigid points, low-passed, so that the points do not depend on the
   coarse steps of the detector's image pyramid, neither from frame to frame nor from recording to recording;
 - the crop is cut at sub-pixel position, brought upright and to a fixed size (dlib's points are whole pixels);
-- the detector runs now and then on the whole frame, and in between only on a small crop, and only when what is in the
-  box no longer looks like the face that was confirmed last.
+- the detector runs at intervals on the whole frame; in between only on a small crop, and only when the content of the
+  box no longer resembles the face that was confirmed last.
 """
 
 import functools
@@ -16,7 +16,7 @@ import numpy as np
 from visualspeech.face.tracker import RIGID, LandmarkSettings
 
 # The box in units of the RMS radius of the rigid points: its side, and how far its centre lies below theirs. The
-# detector draws it at 5.39 and 0.40 on GRID's s1 on the average; a little smaller and lower, the points shake less
+# detector draws it at 5.39 and 0.40 on GRID's s1 on average; a little smaller and lower, the points jitter less
 # there and lie closer to the truth of the demo corpus (lips 0.88 -> 0.74 px).
 BOX_SIDE = 5.0
 BOX_BELOW = 0.70
@@ -28,7 +28,7 @@ FOLLOW = 0.5
 CONFIRM_PIXELS = 92
 CONFIRM_SIDES = 1.7
 # The face is known again by this many pixels a side.
-LIKENESS_PIXELS = 32
+THUMBNAIL_PIXELS = 32
 
 
 @functools.cache
@@ -46,14 +46,15 @@ def _models():
 class DlibTracker:
     """Follows the face of one recording; see :class:`visualspeech.face.tracker.Tracker`."""
 
-    def __init__(self, settings: LandmarkSettings) -> None:
+    def __init__(self, settings: LandmarkSettings, rate: float) -> None:
         import cv2
 
         self._cv = cv2
         self._settings = settings
+        self._search_every = max(round(settings.detection_interval * rate), 1)  # frames
         self._detector, self._predictor = _models()
         self._box = None  # centre x, centre y, side, roll (radians)
-        self._confirmed = None  # small picture of the face that was confirmed last
+        self._confirmed = None  # small image of the face that was confirmed last
         self._frame = 0
         self._faces = 0
 
@@ -63,9 +64,9 @@ class DlibTracker:
     def next(self, frame: np.ndarray) -> np.ndarray | None:
         grey = self._cv.cvtColor(frame, self._cv.COLOR_RGB2GRAY)
         self._frame += 1
-        known = self._box is not None and self._frame % self._settings.search_every != 1
+        known = self._box is not None and not self._due()
         crop = self._face(grey) if known else None
-        if not known or not (self._alike(crop) or self._confirm(grey)):
+        if not known or not (self._similar(crop) or self._confirm(grey)):
             found = self._search(grey)
             if found is None and not (self._box is not None and self._confirm(grey)):
                 self._confirmed = None
@@ -77,13 +78,17 @@ class DlibTracker:
             self._confirmed = None
             crop = self._face(grey)
         if self._confirmed is None:
-            self._confirmed = _likeness(crop[0])
+            self._confirmed = _thumbnail(crop[0])
         points = self._predict(*crop)
         for number in range(1, self._settings.num_jitters):
             points = points + self._predict(*self._face(grey, _shaken(self._box, number)))
         points = points / max(self._settings.num_jitters, 1)
         self._box = self._box + FOLLOW * (box_of(points) - self._box)
         return points
+
+    def _due(self) -> bool:
+        """Whether the face is to be detected on the whole of this frame."""
+        return (self._frame - 1) % self._search_every == 0
 
     def _face(self, grey: np.ndarray, box: np.ndarray | None = None) -> tuple[np.ndarray, np.ndarray]:
         """The crop from which points are predicted, and the map into it."""
@@ -117,10 +122,10 @@ class DlibTracker:
         points = np.array([(part.x, part.y) for part in shape.parts()], float)
         return np.linalg.solve(matrix[:, :2], (points - matrix[:, 2]).T).T
 
-    def _alike(self, crop: tuple[np.ndarray, np.ndarray]) -> bool:
+    def _similar(self, crop: tuple[np.ndarray, np.ndarray]) -> bool:
         if self._confirmed is None:
             return False
-        return float((_likeness(crop[0]) * self._confirmed).mean()) >= self._settings.similarity_threshold
+        return float((_thumbnail(crop[0]) * self._confirmed).mean()) >= self._settings.similarity_threshold
 
     def _confirm(self, grey: np.ndarray) -> bool:
         crop = self._crop(grey, self._box, CONFIRM_PIXELS, CONFIRM_SIDES)[0]
@@ -129,14 +134,14 @@ class DlibTracker:
     def _search(self, grey: np.ndarray) -> np.ndarray | None:
         """The box of the face in the whole frame: the one followed so far, else the largest that is surely a face."""
         scale = min(1.0, self._settings.detector_pixels / max(grey.shape))
-        picture = grey
+        image = grey
         if scale < 1.0:
-            picture = self._cv.resize(grey, None, fx=scale, fy=scale, interpolation=self._cv.INTER_AREA)
-        rectangles, scores, _ = self._detector.run(picture, 0, 0.0)
-        # The detector's faces are at least 80 pixels wide; as long as none is known, half as wide ones are looked for
-        # now and then, which takes four times as long.
-        if not rectangles and self._box is None and self._frame % self._settings.search_every == 1:
-            rectangles, scores, _ = self._detector.run(picture, 1, 0.0)
+            image = self._cv.resize(grey, None, fx=scale, fy=scale, interpolation=self._cv.INTER_AREA)
+        rectangles, scores, _ = self._detector.run(image, 0, 0.0)
+        # The detector's faces are at least 80 pixels wide; as long as none is known, half as wide ones are searched for
+        # at intervals, which takes four times as long.
+        if not rectangles and self._box is None and self._due():
+            rectangles, scores, _ = self._detector.run(image, 1, 0.0)
         if not rectangles:
             return None
         boxes = np.array([((r.left() + r.right()) / 2, (r.top() + r.bottom()) / 2, r.width(), 0) for r in rectangles])
@@ -169,14 +174,14 @@ def box_of(points: np.ndarray) -> np.ndarray:
     return np.array([*(centre + BOX_BELOW * radius * down), BOX_SIDE * radius, roll])
 
 
-def _likeness(crop: np.ndarray) -> np.ndarray:
-    """A handful of the crop's pixels with their mean and deviation taken out: what the face looks like at a glance."""
-    step = max(len(crop) // LIKENESS_PIXELS, 1)
+def _thumbnail(crop: np.ndarray) -> np.ndarray:
+    """A coarse sample of the crop's pixels, normalised to mean 0 and standard deviation 1."""
+    step = max(len(crop) // THUMBNAIL_PIXELS, 1)
     sample = crop[step // 2 :: step, step // 2 :: step].astype(float)
     return (sample - sample.mean()) / max(sample.std(), 1e-6)
 
 
 def _shaken(box: np.ndarray, number: int) -> np.ndarray:
-    """A box a little beside ``box``; the same for the same ``number``."""
+    """A slightly displaced box; the same for the same ``number``."""
     angle = 2.4 * number
     return box + box[2] * 0.02 * np.array([np.cos(angle), np.sin(angle), np.cos(2 * angle), 0])

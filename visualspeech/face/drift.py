@@ -1,26 +1,26 @@
-"""Slow drift between recordings (light, seat, camera), taken out of shapes and textures and put back for rendering.
+"""Slow drift between recordings (light, seat, camera), removed from shapes and textures and restored for rendering.
 
 A speaker moves and the light changes between one utterance and the next. That is a large part of the variance of raw
-faces, it has nothing to do with what is said, and no model of speech can predict it. Each utterance therefore gets a
-reference face of its own, and is moved as a whole so that its reference falls on the corpus's reference::
+faces, it is unrelated to what is said, and no model of speech can predict it. Each utterance therefore gets a reference
+face of its own, and is shifted as a whole so that its reference coincides with the corpus's reference::
 
     normalised = observed - reference of the utterance + reference of the corpus
 
-The move is one constant vector for an utterance: movement in time, which is what speech is, stays as it was, and
+The shift is one constant vector per utterance: movement in time, which is speech, stays as it was, and
 :func:`restore` undoes it exactly, so that a rendered mouth has the light of the recording it is put into.
 
 Methods (``DriftSettings.method``):
 
 ``clip_mean`` (the default)
-    the reference is the mean over all frames of the utterance. The steadiest; with the drift goes what the mean owes to
-    the words, which is little in a whole sentence and much in a single word.
+    the reference is the mean over all frames of the utterance. The most stable; what the mean owes to the words is
+    removed with the drift, which is little in a whole sentence and much in a single word.
 ``silence``
-    the reference is the mean over the utterance's silent frames (pauses of the alignment). Takes out nothing of the
-    speech, but needs pauses in every utterance, and a mouth at rest is not always the same mouth.
+    the reference is the mean over the utterance's silent frames (pauses of the alignment). Removes nothing of the
+    speech, but needs pauses in every utterance, and the mouth at rest differs from pause to pause.
 ``none``
-    nothing is taken out.
+    nothing is removed.
 
-What each leaves to be explained on real recordings is in ``docs/aam.md``.
+The variance that each leaves on real recordings is in ``docs/aam.md``.
 """
 
 from collections.abc import Iterable
@@ -45,31 +45,88 @@ class DriftSettings(Settings):
         "Reference face of an utterance: its mean face, the mean of its silent frames, or none (drift is kept).",
         choices=METHODS,
     )
-    min_silent_frames: int = setting(
-        5,
-        "Method `silence`: an utterance with fewer silent frames than this falls back to its clip mean.",
-        minimum=1,
-        maximum=100_000,
+    min_silent_seconds: float = setting(
+        0.2,
+        "Method `silence`: an utterance with less silence than this, in seconds, falls back to its clip mean.",
+        minimum=0,
+        maximum=3600,
     )
 
 
 class FaceReference(NamedTuple):
-    """A reference face: shape (102,) in pixels of the normalised face, texture (3U,) in grey levels; float32."""
+    """A reference face: shape (2N,) in pixels of the normalised face, texture (3U,) in grey levels; float32."""
 
     shape: np.ndarray
     texture: np.ndarray
 
 
+@dataclass(frozen=True)
+class Faces:
+    """The faces of an utterance: what a visual coding encodes.
+
+    Parameters
+    ----------
+    shape : (T, 2N) shape vectors in pixels of the normalised face (Fan 2015, Eq. 1)
+    texture : (T, 3U) uint8 textures in grey levels (Eq. 4)
+    reference : the utterance's reference face
+    """
+
+    shape: np.ndarray
+    texture: np.ndarray
+    reference: FaceReference
+
+    @classmethod
+    def of(
+        cls,
+        shape: np.ndarray,
+        texture: np.ndarray,
+        silent: np.ndarray | None = None,
+        settings: DriftSettings | None = None,
+        *,
+        rate: float,
+    ) -> "Faces":
+        """Shapes and textures with their reference face; parameters and errors as :func:`reference_of`."""
+        return cls(shape, texture, reference_of(shape, texture, silent, settings, rate=rate))
+
+    @classmethod
+    def read(cls, arrays, utterance_id: str) -> "Faces":
+        """The faces of one utterance from opened files that hold what :meth:`arrays` gives."""
+        shape, texture = (arrays.array(utterance_id, name) for name in ("shape", "texture"))
+        return cls(shape, texture, reference_face(arrays, utterance_id))
+
+    def arrays(self) -> dict[str, np.ndarray]:
+        """The arrays that files keep of an utterance."""
+        return {
+            "shape": self.shape,
+            "texture": self.texture,
+            "reference_shape": self.reference.shape,
+            "reference_texture": self.reference.texture,
+        }
+
+
+def reference_face(arrays, utterance_id: str) -> FaceReference:
+    """The reference face of one utterance, from opened files that hold what :meth:`Faces.arrays` gives."""
+    return FaceReference(
+        arrays.array(utterance_id, "reference_shape", ...), arrays.array(utterance_id, "reference_texture", ...)
+    )
+
+
 def reference_of(
-    shape: np.ndarray, texture: np.ndarray, silent: np.ndarray | None = None, settings: DriftSettings | None = None
+    shape: np.ndarray,
+    texture: np.ndarray,
+    silent: np.ndarray | None = None,
+    settings: DriftSettings | None = None,
+    *,
+    rate: float,
 ) -> FaceReference:
     """The reference face of one utterance.
 
     Parameters
     ----------
-    shape : (T, 102) shape vectors in pixels of the normalised face
+    shape : (T, 2N) shape vectors in pixels of the normalised face
     texture : (T, 3U) textures in grey levels, any number type
     silent : (T,) bool, the frames in which nobody speaks; only ``silence`` needs it
+    rate : frame rate in Hz
 
     Raises
     ------
@@ -87,7 +144,7 @@ def reference_of(
             raise DataError(
                 f"the silent frames ({None if silent is None else len(silent)}) do not fit {len(shape)} shapes"
             )
-        if np.count_nonzero(silent) >= settings.min_silent_frames:
+        if np.count_nonzero(silent) >= max(settings.min_silent_seconds * rate, 1):
             chosen = np.asarray(silent, bool)
     return FaceReference(
         shape[chosen].mean(axis=0, dtype=np.float64).astype(np.float32),
@@ -114,14 +171,14 @@ def corpus_reference(references: Iterable[FaceReference]) -> FaceReference:
 
 
 def remove_shape(shape: np.ndarray, utterance: FaceReference, corpus: FaceReference) -> np.ndarray:
-    """Shapes (T, 102) without the utterance's drift, float32."""
+    """Shapes (T, 2N) without the utterance's drift, float32."""
     return np.asarray(shape, np.float32) + (corpus.shape - utterance.shape)
 
 
 def remove(
     shape: np.ndarray, texture: np.ndarray, utterance: FaceReference, corpus: FaceReference
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Shapes (T, 102) and textures (T, 3U) without the utterance's drift, float32."""
+    """Shapes (T, 2N) and textures (T, 3U) without the utterance's drift, float32."""
     moved = np.asarray(texture, np.float32) + (corpus.texture - utterance.texture)
     return remove_shape(shape, utterance, corpus), moved
 

@@ -1,11 +1,13 @@
-"""The speaker's head in three dimensions, fitted to his own landmarks.
+"""The speaker's head in three dimensions, fitted to the speaker's own landmarks.
 
-A mean face alone explains a speaker's landmarks to a few pixels. Here every one of the 68 points gets the place in head
-coordinates that explains where it was seen over many frames, with the mean face as prior: bundle adjustment by
-alternating between the poses (from the rigid points) and the points (from the poses).
+A mean face alone explains a speaker's landmarks to a few pixels. Here each of the 68 landmarks gets the position in
+head coordinates that explains where it was seen over many frames, with the mean face as prior: bundle adjustment that
+alternates between the poses (from the rigid landmarks) and the positions (from the poses).
 """
 
+from collections.abc import Sequence
 from dataclasses import asdict, dataclass
+from pathlib import Path
 
 import numpy as np
 
@@ -55,18 +57,18 @@ class PoseSettings(Settings):
         maximum=10,
     )
     rotation_smoothing: float = setting(
-        2.0,
-        "Standard deviation, in frames, of the Gaussian that smooths the head's rotation and distance over time; 0 "
+        0.08,
+        "Standard deviation, in seconds, of the Gaussian that smooths the head's rotation and distance over time; 0 "
         "for none.",
         minimum=0,
-        maximum=1000,
+        maximum=10,
     )
     translation_smoothing: float = setting(
-        0.5,
-        "Standard deviation, in frames, of the Gaussian that smooths the head's position in the image over time; 0 "
+        0.02,
+        "Standard deviation, in seconds, of the Gaussian that smooths the head's position in the image over time; 0 "
         "for none.",
         minimum=0,
-        maximum=1000,
+        maximum=10,
     )
     margin: float = setting(
         0.25,
@@ -82,14 +84,14 @@ class HeadModel:
 
     Parameters
     ----------
-    points3d : (68, 3) mean places in head coordinates; their unit is a pixel of the normalised face, and at the mean
+    points3d : (68, 3) mean positions in head coordinates; their unit is a pixel of the normalised face, and at the mean
         distance from the camera also a pixel of the recording
-    rigid : indices of the points that give the pose
+    rigid : indices of the landmarks that give the pose
     weights : (rigid,) weight of each of these
     focal : focal length in pixels of the recording
     centre : (2,) principal point in pixels of the recording
-    offset : (2,) where the head's origin lies in the normalised picture
-    size : (width, height) of the normalised picture
+    offset : (2,) position of the head's origin in the normalised image
+    size : (width, height) of the normalised image
     settings : with which it was fitted
     """
 
@@ -104,7 +106,7 @@ class HeadModel:
 
     @property
     def mean_points(self) -> np.ndarray:
-        """The mean points in the normalised picture, (68, 2) pixels."""
+        """The mean points in the normalised image, (68, 2) pixels."""
         return self.points3d[:, :2] + self.offset
 
     def save(self, path) -> None:
@@ -124,6 +126,17 @@ class HeadModel:
         tensors, stored = read_model_of(path, "head model", ["head"])
         settings = restored(PoseSettings, stored["settings"], path)
         return cls(**tensors, focal=float(stored["focal"]), size=tuple(stored["size"]), settings=settings)
+
+
+def load_heads(speakers: Sequence[str], paths: Sequence[str | Path]) -> dict[str, HeadModel]:
+    """The heads of some speakers by the speaker's name, from one file per speaker, in the same order.
+
+    Raises
+    ------
+    StorageError
+        A file is missing or holds no head.
+    """
+    return {speaker: HeadModel.load(path) for speaker, path in zip(speakers, paths, strict=True)}
 
 
 def fit_head(points: np.ndarray, image_size: tuple[int, int], settings: PoseSettings | None = None) -> HeadModel:
@@ -181,7 +194,7 @@ def fit_head(points: np.ndarray, image_size: tuple[int, int], settings: PoseSett
 
 
 def _seen_size(points: np.ndarray) -> float:
-    """How many pixels the unit of the mean face is in the frames (n, 68, 2), on the average."""
+    """Pixels per unit of the mean face in the frames (n, 68, 2), on average."""
     face = MEAN_FACE[RIGID, :2]
     seen = points[:, RIGID]
     radius = np.sqrt(((seen - seen.mean(1, keepdims=True)) ** 2).sum(2).mean(1))
@@ -189,7 +202,7 @@ def _seen_size(points: np.ndarray) -> float:
 
 
 def _fit_points(points, model, prior, pose, focal, centre, noise, deviation):
-    """One Gauss-Newton step for every point by itself, towards the frames and the prior.
+    """One Gauss-Newton step for every point separately, towards the frames and the prior.
 
     Returns the points (68, 3) and the errors (n, 68) in pixels before the step.
     """

@@ -27,7 +27,7 @@ class Landmarks:
     points : (T, 68, 2) float32, image pixels (x right, y down), iBUG order; interpolated where no face was found
     detected : (T,) bool, False where the points are interpolated
     width, height : size of the frames in pixels
-    findings : sentences about what was odd but could be lived with
+    findings : warnings that do not reject the utterance, one sentence each
     """
 
     points: np.ndarray
@@ -37,14 +37,14 @@ class Landmarks:
     findings: tuple[str, ...] = ()
 
 
-def track(frames: Iterable[np.ndarray], settings: LandmarkSettings | None = None, rate: float = 25.0) -> Landmarks:
+def track(frames: Iterable[np.ndarray], settings: LandmarkSettings | None = None, *, rate: float) -> Landmarks:
     """Follow the face through a recording. Frames are taken one at a time, so memory does not grow with their size.
 
     Parameters
     ----------
     frames : RGB frames (height, width, 3) uint8, all of one size
-    settings : how
-    rate : frame rate in Hz, for the length of gaps
+    settings : tracker and its settings
+    rate : frame rate in Hz
 
     Raises
     ------
@@ -52,11 +52,13 @@ def track(frames: Iterable[np.ndarray], settings: LandmarkSettings | None = None
         There are no frames, their size changes, there is no face, or it is missing in too many frames.
     """
     settings = settings or LandmarkSettings()
-    tracker = TRACKERS[settings.tracker](settings)
+    tracker = TRACKERS[settings.tracker](settings, rate)
     found, size = [], None
     for frame in frames:
         if size is not None and frame.shape[:2] != size:
-            raise RejectedUtterance("the picture changes its size", "Convert the video to one picture size.")
+            raise RejectedUtterance(
+                "the frame size changes within the recording", "Convert the video to one frame size."
+            )
         size = frame.shape[:2]
         found.append(tracker.next(frame))
     if size is None:
@@ -70,7 +72,7 @@ def track(frames: Iterable[np.ndarray], settings: LandmarkSettings | None = None
     if not detected.all():
         findings.append(f"no face in {(~detected).sum()} of {len(detected)} frames; their points are interpolated")
     return Landmarks(
-        points=smooth(points, settings.smoothing).astype(np.float32),
+        points=smooth(points, settings.smoothing * rate).astype(np.float32),
         detected=detected,
         width=size[1],
         height=size[0],
@@ -113,7 +115,10 @@ def fill_gaps(points: np.ndarray, detected: np.ndarray) -> np.ndarray:
 
 
 def smooth(points: np.ndarray, deviation: float) -> np.ndarray:
-    """Points (T, n, 2) after a Gaussian of ``deviation`` frames along time (0: unchanged), ends mirrored."""
+    """Points (T, n, 2) smoothed in time by a Gaussian of ``deviation`` frames (0: unchanged).
+
+    Beyond the ends the first and the last frame are repeated.
+    """
     if deviation <= 0:
         return points
     from scipy.ndimage import gaussian_filter1d

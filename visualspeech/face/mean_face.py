@@ -1,4 +1,4 @@
-"""A mean human face: where the 68 iBUG points lie in three dimensions.
+"""A mean human face: positions of the 68 iBUG landmarks in three dimensions.
 
 The coordinates are measurements of real faces, taken from the table ``mean_face_3D_68.txt`` of the package ``spiga``
 0.0.6 (BSD 3-clause; Prados-Torreblanca, Buenaposada & Baumela, "Shape Preserving Facial Landmarks with Graph Attention
@@ -8,7 +8,7 @@ Networks", BMVC 2022), brought to iBUG order, made left-right symmetric and roun
 import numpy as np
 
 # fmt: off
-# x to the right of the picture, y down, z away from the camera; the tip of the nose is the origin, the face about 1.4
+# x to the right of the image, y down, z away from the camera; the tip of the nose is the origin, the face about 1.4
 # wide at the ears. Shape (68, 3).
 MEAN_FACE = np.array([
     (-0.711, -0.363, 0.878), (-0.687, -0.148, 0.892), (-0.621, 0.068, 0.924), (-0.564, 0.259, 0.908),

@@ -1,10 +1,10 @@
-"""Head pose, and the way between the recorded picture and the frontal, aligned face.
+"""Head pose, and the maps between the recorded frame and the normalised (frontal, aligned) face.
 
-The pose of every frame is the rotation and translation under which the speaker's 3-D head explains his rigid landmarks
-(perspective-n-point), smoothed in time. A landmark then becomes frontal like this: its viewing ray is cut with the
-plane of its depth in head coordinates, and the place across that plane is its place in the frontal picture. That undoes
-turning, nodding, leaning and perspective of the head, keeps what the mouth and jaw do, and is undone exactly by
-projecting the place with its depth back into the picture.
+The pose of every frame is the rotation and translation under which the speaker's 3-D head explains the rigid landmarks
+(perspective-n-point), smoothed in time. A landmark is normalised by intersecting its viewing ray with the plane of its
+depth in head coordinates: its position in that plane is its position in the normalised face. That undoes turning,
+nodding, leaning and perspective of the head, keeps the movement of mouth and jaw, and is undone exactly by projecting
+the position with its depth back into the frame.
 """
 
 from dataclasses import dataclass
@@ -13,26 +13,13 @@ import numpy as np
 
 from visualspeech.errors import DataError
 from visualspeech.face.camera import project, rotation_matrices, solve_pose, solve_translation
-from visualspeech.face.head import HeadModel, PoseSettings, fit_head
+from visualspeech.face.head import HeadModel, PoseSettings
 from visualspeech.face.landmarks import smooth
-
-__all__ = [
-    "HeadModel",
-    "Pose",
-    "PoseSettings",
-    "depth_map",
-    "estimate",
-    "fit_head",
-    "frontal_picture",
-    "rigid_error",
-    "to_frontal",
-    "to_image",
-]
 
 
 @dataclass(frozen=True)
 class Pose:
-    """Where the head is in each of T frames.
+    """Rotation and translation of the head in each of T frames.
 
     Parameters
     ----------
@@ -43,6 +30,11 @@ class Pose:
     rotation: np.ndarray
     translation: np.ndarray
 
+    @classmethod
+    def read(cls, arrays, utterance_id: str) -> "Pose":
+        """The poses of one utterance from opened files."""
+        return cls(arrays.array(utterance_id, "rotation"), arrays.array(utterance_id, "translation"))
+
     def __len__(self) -> int:
         return len(self.rotation)
 
@@ -52,16 +44,17 @@ class Pose:
         return Pose(self.rotation[frames], self.translation[frames])
 
 
-def estimate(points: np.ndarray, head: HeadModel, settings: PoseSettings | None = None) -> Pose:
+def estimate(points: np.ndarray, head: HeadModel, settings: PoseSettings | None = None, *, rate: float) -> Pose:
     """The head's pose in every frame of one utterance.
 
     Rotation and distance come from all rigid points and are smoothed most, for their noise is largest and heads turn
-    slowly; with these given, the place across the picture is found again and smoothed less.
+    slowly; with these given, the translation across the image is estimated again and smoothed less.
 
     Parameters
     ----------
     points : (T, 68, 2) landmarks in image pixels
     settings : the smoothing; by default that with which the head was fitted
+    rate : frame rate in Hz
     """
     settings = settings or head.settings
     if points.ndim != 3 or points.shape[1] <= head.rigid.max():
@@ -69,20 +62,20 @@ def estimate(points: np.ndarray, head: HeadModel, settings: PoseSettings | None 
     seen = np.asarray(points, float)[:, head.rigid]
     model = head.points3d[head.rigid]
     rotation, translation = solve_pose(seen, model, head.focal, head.centre, head.weights)
-    rotation = smooth(rotation, settings.rotation_smoothing)
+    rotation = smooth(rotation, settings.rotation_smoothing * rate)
     # Distance is smoothed as its logarithm, which is scale: halves and doubles are alike.
     origin = model.mean(0)
     turned = (rotation_matrices(rotation) @ origin)[:, 2]
-    depth = np.exp(smooth(np.log(translation[:, 2] + turned), settings.rotation_smoothing)) - turned
+    depth = np.exp(smooth(np.log(translation[:, 2] + turned), settings.rotation_smoothing * rate)) - turned
     translation = solve_translation(seen, model, rotation, depth, head.focal, head.centre, head.weights)
     middle = rotation_matrices(rotation) @ origin + translation
-    beside = smooth(middle[:, :2] / middle[:, 2:], settings.translation_smoothing)
+    beside = smooth(middle[:, :2] / middle[:, 2:], settings.translation_smoothing * rate)
     shift = beside * middle[:, 2:] - middle[:, :2]
     return Pose(rotation, translation + np.column_stack([shift, np.zeros(len(shift))]))
 
 
 def to_frontal(points: np.ndarray, pose: Pose, head: HeadModel, model: np.ndarray | None = None) -> np.ndarray:
-    """Image points as they would lie in the frontal, aligned face.
+    """Image points as points of the normalised face.
 
     Parameters
     ----------
@@ -107,14 +100,14 @@ def to_frontal(points: np.ndarray, pose: Pose, head: HeadModel, model: np.ndarra
 
 
 def to_image(points: np.ndarray, pose: Pose, head: HeadModel, model: np.ndarray | None = None) -> np.ndarray:
-    """Frontal points (T, n, 2) put back into the recorded picture: the exact inverse of :func:`to_frontal`."""
+    """Points (T, n, 2) of the normalised face as image points: the exact inverse of :func:`to_frontal`."""
     depth = np.broadcast_to(_depths(head, model, points.shape[1]), points.shape[:2])
     model3d = np.concatenate([points - head.offset, depth[..., None]], axis=-1)
     return project(model3d, pose.rotation, pose.translation, head.focal, head.centre)
 
 
 def rigid_error(frontal: np.ndarray, head: HeadModel) -> float:
-    """How far the rigid points still move in the frontal face: RMS distance in pixels to their own means in time.
+    """How far the rigid points still move in the normalised face: RMS distance in pixels to their means in time.
 
     Parameters
     ----------
@@ -125,41 +118,41 @@ def rigid_error(frontal: np.ndarray, head: HeadModel) -> float:
 
 
 def depth_map(head: HeadModel) -> np.ndarray:
-    """Depth of the head under every pixel of the normalised picture, (height, width) in head coordinates.
+    """Depth of the head under every pixel of the normalised image, (height, width) in head coordinates.
 
     A thin-plate spline through the 68 points, kept between the shallowest and the deepest of them. It is made for
-    showing: landmarks take their own depths.
+    display: landmarks have their own depths.
     """
     from scipy.interpolate import RBFInterpolator
 
     width, height = head.size
     across, down = np.meshgrid(np.arange(width), np.arange(height))
-    places = np.stack([across.ravel(), down.ravel()], axis=1) - head.offset
+    positions = np.stack([across.ravel(), down.ravel()], axis=1) - head.offset
     # Inner and outer lips nearly coincide; without smoothing the surface would buckle between them.
     surface = RBFInterpolator(head.points3d[:, :2], head.points3d[:, 2], kernel="thin_plate_spline", smoothing=50.0)
     depth = head.points3d[:, 2]
-    return np.clip(surface(places), depth.min(), depth.max()).reshape(height, width)
+    return np.clip(surface(positions), depth.min(), depth.max()).reshape(height, width)
 
 
-def frontal_picture(frame: np.ndarray, pose: Pose, head: HeadModel, depth: np.ndarray | None = None) -> np.ndarray:
-    """The normalised face of one frame, for showing.
+def frontal_image(frame: np.ndarray, pose: Pose, head: HeadModel, depth: np.ndarray | None = None) -> np.ndarray:
+    """The normalised face of one frame, for display.
 
     Parameters
     ----------
     frame : (height, width, 3) uint8
     pose : of this frame (one frame long)
-    depth : of :func:`depth_map`, where many pictures are made
+    depth : of :func:`depth_map`, where many images are made
 
     Returns
     -------
-    uint8 picture of ``head.size``
+    uint8 image of ``head.size``
     """
     import cv2
 
     depth = depth_map(head) if depth is None else depth
     down, across = np.indices(depth.shape)
-    places = np.stack([across.ravel(), down.ravel()], axis=1)[None]
-    seen = to_image(places, pose, head, depth.ravel()).astype(np.float32).reshape(*depth.shape, 2)
+    positions = np.stack([across.ravel(), down.ravel()], axis=1)[None]
+    seen = to_image(positions, pose, head, depth.ravel()).astype(np.float32).reshape(*depth.shape, 2)
     return cv2.remap(frame, seen[..., 0], seen[..., 1], cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
 
 

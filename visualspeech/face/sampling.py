@@ -1,4 +1,4 @@
-"""Which tracked frames the speaker's head is fitted to."""
+"""The tracked frames that a speaker's head is fitted to; utterances of another frame size."""
 
 from collections import Counter
 from collections.abc import Sequence
@@ -6,9 +6,10 @@ from collections.abc import Sequence
 import numpy as np
 
 from visualspeech.errors import CorpusError, RejectedUtterance
+from visualspeech.face.head import HeadModel, PoseSettings, fit_head
 
 
-def picture_size(landmarks, ids: Sequence[str]) -> tuple[int, int]:
+def frame_size(landmarks, ids: Sequence[str]) -> tuple[int, int]:
     """The (width, height) in pixels that most of the utterances have.
 
     Raises
@@ -22,36 +23,73 @@ def picture_size(landmarks, ids: Sequence[str]) -> tuple[int, int]:
     return max(sizes, key=lambda size: (sizes[size], size))
 
 
-def other_sizes(landmarks, ids: Sequence[str]) -> dict[str, RejectedUtterance]:
-    """A rejection for each utterance whose pictures are not of the usual size: one camera is assumed for a speaker."""
-    usual = picture_size(landmarks, ids)
+def screen_frame_sizes(landmarks, ids: Sequence[str]) -> dict[str, RejectedUtterance]:
+    """Utterances of a speaker whose frames are not of the usual size: one camera is assumed per speaker.
+
+    Raises
+    ------
+    CorpusError
+        There are no utterances.
+    """
+    usual = frame_size(landmarks, ids)
     return {
         one: RejectedUtterance(
-            "its pictures are {}x{} pixels, those of most utterances {}x{}".format(*_size(landmarks, one), *usual),
-            "Convert it to the common size, or make it a corpus of its own.",
+            "its frames are {}x{} pixels, those of most utterances {}x{}".format(*_size(landmarks, one), *usual),
+            "Convert it to the common size, or list it under another speaker.",
         )
         for one in ids
         if _size(landmarks, one) != usual
     }
 
 
-def sample_points(landmarks, ids: Sequence[str], frames: int) -> tuple[np.ndarray, tuple[int, int]]:
-    """Landmarks of frames spread evenly over utterances, and the size of the pictures they are seen in.
+def fit_speaker_head(speaker: str, landmarks, ids: Sequence[str], settings: PoseSettings | None = None) -> HeadModel:
+    """Fit the head of one speaker to frames spread evenly over training utterances.
+
+    Parameters
+    ----------
+    speaker : for messages
+    landmarks : opened landmark files that hold these utterances
+    ids : the speaker's training utterances
+
+    Raises
+    ------
+    CorpusError
+        There are no utterances.
+    DataError
+        As :func:`visualspeech.face.head.fit_head`.
+    """
+    if not ids:
+        raise CorpusError(
+            f"no training utterance of the speaker {speaker!r} has a tracked face. See the findings of the check and "
+            "of the landmarks; leave this speaker out, or record the speaker again."
+        )
+    settings = settings or PoseSettings()
+    points, size = sample_landmarks(landmarks, ids, settings.max_frames)
+    return fit_head(points, size, settings)
+
+
+def sample_landmarks(landmarks, ids: Sequence[str], frames: int) -> tuple[np.ndarray, tuple[int, int]]:
+    """Landmarks of frames spread evenly over the utterances of the usual frame size, and that size.
 
     Parameters
     ----------
     landmarks : opened landmark files
     ids : the training utterances
-    frames : most frames in all; memory does not grow with the corpus
+    frames : most frames in total; memory does not grow with the corpus
 
     Returns
     -------
     (n, 68, 2) image pixels, and (width, height)
+
+    Raises
+    ------
+    CorpusError
+        There are no utterances.
     """
-    size = picture_size(landmarks, ids)
+    size = frame_size(landmarks, ids)
     fitting = [one for one in sorted(ids) if _size(landmarks, one) == size]
-    # Where there are more utterances than frames, some of them, evenly; else so many of each.
-    chosen = [fitting[place] for place in np.unique(np.linspace(0, len(fitting) - 1, frames).round().astype(int))]
+    # With more utterances than frames, some of them, evenly; else equally many frames of each.
+    chosen = [fitting[number] for number in np.unique(np.linspace(0, len(fitting) - 1, frames).round().astype(int))]
     each = max(1, frames // len(chosen))
     return np.concatenate([_spread(landmarks, one, each) for one in chosen])[:frames], size
 

@@ -1,9 +1,9 @@
-"""Screening: recordings whose picture is broken, although they can be decoded.
+"""Screening: recordings whose video is broken, although it can be decoded.
 
-One broken clip in the validation set is enough to disturb early stopping, so a clip is judged before anything learns
-from it: by its pictures (grey, frozen or jumping frames, as damaged streams give), by its landmarks (jumps) and by its
-pose (rigid points that do not stay rigid). The limits were set on GRID, where the broken clips stand well apart; the
-figures are printed by ``benchmarks/landmarks_grid.py``.
+One broken utterance in the validation set is enough to disturb early stopping, so utterances are judged before anything
+learns from them: by their frames (grey, frozen or jumping ones, as damaged streams give), by their landmarks (jumps)
+and by their pose (rigid points that do not stay rigid). The limits were set on GRID, where the broken utterances stand
+well apart; the figures are printed by ``benchmarks/landmarks_grid.py``.
 """
 
 from collections.abc import Iterable, Iterator, Mapping
@@ -18,7 +18,7 @@ from visualspeech.face.tracker import LandmarkSettings
 from visualspeech.fields import Settings, setting
 
 REMEDY = "Play the recording; copy or convert it again from its source, or leave it out."
-# Pictures are compared at this size: coding noise averages out, broken blocks do not.
+# Frames are compared at this size: coding noise averages out, broken blocks do not.
 SMALL = (90, 72)
 
 
@@ -37,8 +37,8 @@ class ScreeningSettings(Settings):
         minimum=0,
         maximum=128,
     )
-    max_blank_frames: int = setting(
-        0, "An utterance with more blank frames than this is rejected.", minimum=0, maximum=100_000
+    max_blank_seconds: float = setting(
+        0.0, "An utterance with more blank frames than this, in seconds, is rejected.", minimum=0, maximum=3600
     )
     max_frozen_seconds: float = setting(
         0.4,
@@ -82,8 +82,8 @@ class ScreeningSettings(Settings):
 
 
 @dataclass(frozen=True)
-class PictureMeasures:
-    """What the pictures of one recording are like.
+class FrameMeasures:
+    """Contrast and change of the frames of one recording.
 
     Parameters
     ----------
@@ -113,9 +113,9 @@ class FrameWatch:
             self._last = small
             yield frame
 
-    def measures(self) -> PictureMeasures:
+    def measures(self) -> FrameMeasures:
         """The measures of the frames that have passed."""
-        return PictureMeasures(np.array(self._deviation), np.array(self._change))
+        return FrameMeasures(np.array(self._deviation), np.array(self._change))
 
 
 def track_screened(
@@ -129,17 +129,17 @@ def track_screened(
     Raises
     ------
     RejectedUtterance
-        No usable face, or a broken recording; what is wrong with the pictures is named rather than that they show no
+        No usable face, or a broken recording; what is wrong with the frames is named rather than that they show no
         face.
     """
     settings = settings or ScreeningSettings()
     watch = FrameWatch()
     try:
-        landmarks = track(watch.through(_in_runs(frames)), landmark_settings, rate)
+        landmarks = track(watch.through(_in_runs(frames)), landmark_settings, rate=rate)
     except RejectedUtterance:
-        check_pictures(watch.measures(), rate, settings)
+        check_frames(watch.measures(), rate, settings)
         raise
-    check_pictures(watch.measures(), rate, settings)
+    check_frames(watch.measures(), rate, settings)
     check_points(landmarks.points, settings)
     return landmarks
 
@@ -151,26 +151,26 @@ def _in_runs(frames: Iterable[np.ndarray], size: int = 25) -> Iterator[np.ndarra
         yield from run
 
 
-def check_pictures(measures: PictureMeasures, rate: float, settings: ScreeningSettings | None = None) -> None:
-    """Judge the pictures of one recording at ``rate`` Hz.
+def check_frames(measures: FrameMeasures, rate: float, settings: ScreeningSettings | None = None) -> None:
+    """Judge the frames of one recording at ``rate`` Hz.
 
     Raises
     ------
     RejectedUtterance
-        Frames that show nothing, a frozen picture, or a picture that jumps.
+        Frames that show nothing, frozen frames, or a jump from one frame to the next.
     """
     settings = settings or ScreeningSettings()
     flat = int((measures.deviation < settings.min_contrast).sum())
-    if flat > settings.max_blank_frames:
-        raise RejectedUtterance(f"{flat} frames show nothing but one colour", REMEDY)
+    if flat / rate > settings.max_blank_seconds:
+        raise RejectedUtterance(f"{flat} frames show a single colour", REMEDY)
     frozen = longest_run(measures.change[1:] < 1e-3) / rate
     if frozen > settings.max_frozen_seconds:
-        raise RejectedUtterance(f"the picture stands still for {frozen:.2f} s", REMEDY)
+        raise RejectedUtterance(f"the video is frozen for {frozen:.2f} s", REMEDY)
     ratio = isolated(measures.change)
     jumps = np.flatnonzero((ratio > settings.max_frame_change_ratio) & (measures.change > settings.max_frame_change))
     if len(jumps):
         raise RejectedUtterance(
-            f"the picture jumps at {jumps[0] / rate:.2f} s ({ratio[jumps[0]]:.0f} times the change of the frames "
+            f"the video jumps at {jumps[0] / rate:.2f} s ({ratio[jumps[0]]:.0f} times the change of the frames "
             "around: damaged frames, or a cut)",
             REMEDY,
         )
@@ -193,23 +193,23 @@ def check_points(points: np.ndarray, settings: ScreeningSettings | None = None) 
         )
 
 
-def screen(
-    errors: Mapping[str, float], settings: ScreeningSettings | None = None, least: int = 10
+def screen_rigid_errors(
+    errors: Mapping[str, float], settings: ScreeningSettings | None = None, min_utterances: int = 10
 ) -> dict[str, RejectedUtterance]:
-    """Utterances whose rigid points move far more than is usual for the speaker.
+    """Utterances of a speaker whose rigid points move far more than is usual for this speaker.
 
     Parameters
     ----------
-    errors : RMS movement of the rigid points after normalisation by utterance id, in pixels
-    least : with fewer utterances nothing is usual yet, and none is refused
+    errors : utterance id -> RMS movement of the rigid points after normalisation, in pixels
+    min_utterances : with fewer the median says little, and none is rejected
     """
     settings = settings or ScreeningSettings()
-    if len(errors) < least:
+    if len(errors) < min_utterances:
         return {}
     usual = float(np.median(list(errors.values())))
     return {
         name: RejectedUtterance(
-            f"nose and eyes move by {error:.2f} px after head-pose normalisation, {error / usual:.1f} times the usual",
+            f"nose and eyes move by {error:.2f} px after head-pose normalisation, {error / usual:.1f} times the median",
             REMEDY,
         )
         for name, error in sorted(errors.items())

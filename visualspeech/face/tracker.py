@@ -1,4 +1,4 @@
-"""What a tracker of landmarks is: the points that it finds, its settings, and how it is asked."""
+"""The interface of landmark trackers, their points and their settings."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -9,18 +9,18 @@ import numpy as np
 from visualspeech.fields import Settings, setting
 
 POINTS = 68
-# Points that the skull carries: bridge and base of the nose, corners of the eyes.
+# Landmarks that move with the skull only: bridge and base of the nose, corners of the eyes.
 RIGID = np.array([27, 28, 29, 30, 31, 32, 33, 34, 35, 36, 39, 42, 45])
 
 
-def _dlib(settings: "LandmarkSettings") -> "Tracker":
+def _dlib(settings: "LandmarkSettings", rate: float) -> "Tracker":
     from visualspeech.face.dlib_tracker import DlibTracker
 
-    return DlibTracker(settings)
+    return DlibTracker(settings, rate)
 
 
-#: A tracker by its name in the settings; one is made for each recording.
-TRACKERS: dict[str, Callable[["LandmarkSettings"], "Tracker"]] = {"dlib": _dlib}
+#: A tracker by its name in the settings; one is made for each recording, from the settings and the frame rate in Hz.
+TRACKERS: dict[str, Callable[["LandmarkSettings", float], "Tracker"]] = {"dlib": _dlib}
 
 
 @dataclass(frozen=True)
@@ -45,8 +45,8 @@ class LandmarkSettings(Settings):
         minimum=80,
         maximum=10_000,
     )
-    search_every: int = setting(
-        25, "Number of frames between two face detections on the whole frame.", minimum=1, maximum=100_000
+    detection_interval: float = setting(
+        1.0, "Time between two face detections on the whole frame, in seconds.", minimum=0, maximum=3600
     )
     similarity_threshold: float = setting(
         0.8,
@@ -55,10 +55,10 @@ class LandmarkSettings(Settings):
         maximum=1,
     )
     smoothing: float = setting(
-        0.4,
-        "Standard deviation, in frames, of the Gaussian that smooths the landmarks over time; 0 for none.",
+        0.016,
+        "Standard deviation, in seconds, of the Gaussian that smooths the landmarks over time; 0 for none.",
         minimum=0,
-        maximum=1000,
+        maximum=10,
     )
     max_missing_share: float = setting(
         0.2,
@@ -72,7 +72,7 @@ class LandmarkSettings(Settings):
 
 
 class Tracker(Protocol):
-    """Follows one face through the frames of one recording; a fresh tracker is made for every recording."""
+    """Follows one face through the frames of one recording; one tracker is made per recording."""
 
     def next(self, frame: np.ndarray) -> np.ndarray | None:
         """The points (68, 2) in pixels of the next frame, (height, width, 3) uint8 RGB; None where there is no face."""

@@ -15,7 +15,7 @@ from pathlib import Path
 from visualspeech.errors import SettingError, StorageError
 from visualspeech.fields import with_defaults
 from visualspeech.models.rows import ModelRow
-from visualspeech.models.training_settings import TrainingSettings, training_settings
+from visualspeech.models.training_settings import training_fields, training_settings
 from visualspeech.schema import did_you_mean, settings_class
 from visualspeech.storage import read_model_of
 
@@ -207,7 +207,7 @@ def _rows_of(key: str, entry: Mapping, blocks, training: Mapping, seeds: Sequenc
 
 def _training(given: Mapping) -> dict:
     settings = training_settings(given)
-    return {name: getattr(settings, name) for name in TrainingSettings.__dataclass_fields__ if name != "seed"}
+    return {name: getattr(settings, name) for name in training_fields() if name != "seed"}
 
 
 def load_model(path: str | Path):

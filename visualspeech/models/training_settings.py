@@ -1,7 +1,7 @@
 """Settings of the training loop that all networks share; without torch, for planning."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from typing import ClassVar
 
 from visualspeech.errors import SettingError
@@ -113,6 +113,11 @@ class TrainingSettings(Settings):
     seed: int = setting(1, "Seed of initial weights, order and dropout.", minimum=0, maximum=2**31 - 1)
 
 
+def training_fields() -> list[str]:
+    """Names of all settings of training."""
+    return [one.name for one in fields(TrainingSettings)]
+
+
 def training_settings(given: Mapping | None = None, **changes) -> TrainingSettings:
     """Settings of a preset (``optimiser``: ``adam`` or ``paper``), with changes.
 
@@ -125,8 +130,8 @@ def training_settings(given: Mapping | None = None, **changes) -> TrainingSettin
     optimiser = changes.get("optimiser", "adam")
     if optimiser not in PRESETS:
         raise SettingError(f"`training.optimiser: {optimiser}` must be one of {', '.join(PRESETS)}.")
-    unknown = sorted(set(changes) - set(TrainingSettings.__dataclass_fields__))
+    unknown = sorted(set(changes) - set(training_fields()))
     if unknown:
-        known = ", ".join(TrainingSettings.__dataclass_fields__)
+        known = ", ".join(training_fields())
         raise SettingError(f"unknown setting `training.{unknown[0]}`. Known: {known}.")
     return TrainingSettings(**{**PRESETS[optimiser], **changes})

@@ -2,6 +2,7 @@
 
 import os
 from collections.abc import Mapping, Sequence
+from dataclasses import fields
 from pathlib import Path
 
 from visualspeech.errors import SettingError
@@ -166,7 +167,7 @@ def _block(block: Mapping, where: str) -> dict:
         )
     given = {name: value for name, value in block.items() if name != "kind"}
     cls = block_class(kind).settings
-    known = list(cls.__dataclass_fields__) if cls else []
+    known = [one.name for one in fields(cls)] if cls else []
     for name in given:
         if name not in known:
             raise SettingError(f"unknown setting `{where}.{name}`. Known here: {', '.join(['kind', *known])}.")

@@ -8,7 +8,7 @@ from visualspeech.speech.alignment import TIERS, Alignment, Segment
 from visualspeech.speech.phones import SILENCE
 from visualspeech.storage import replacing, write_text
 
-TICKS = 10_000_000  # HTK's units of 100 ns a second
+TICKS = 10_000_000  # per second; HTK counts time in units of 100 ns
 _TIER_NAMES = {"word": "words", "phone": "phones", "state": "states"}
 
 
@@ -26,7 +26,7 @@ def write_textgrid(path: str | Path, alignment: Alignment) -> None:
 
 
 def write_htk_labels(path: str | Path, alignment: Alignment, tier: str = "phone") -> None:
-    """Write one tier as an HTK label file: ``start end label`` a line, in units of 100 ns.
+    """Write one tier as an HTK label file: ``start end label`` per line, in units of 100 ns.
 
     Raises
     ------
@@ -39,7 +39,7 @@ def write_htk_labels(path: str | Path, alignment: Alignment, tier: str = "phone"
 
 
 def write_hts_labels(path: str | Path, alignment: Alignment) -> None:
-    """Write states as an HTS label file: ``start end left-phone+right[state]`` a line, with the word at its beginning.
+    """Write the states as an HTS label file: ``start end left-phone+right[state]`` per line; a word at its first state.
 
     States are numbered from 2, as in HTK's models; phones outside the utterance are "sil".
     """
@@ -60,7 +60,7 @@ def write_hts_labels(path: str | Path, alignment: Alignment) -> None:
 
 
 def read_htk_labels(path: str | Path) -> tuple[Segment, ...]:
-    """Intervals of an HTK or HTS label file (the first field after the times is the label)."""
+    """Segments of an HTK or HTS label file (the first field after the times is the label)."""
     rows = (line.split() for line in Path(path).read_text(encoding="utf-8").splitlines() if line.strip())
     return tuple(Segment(fields[2], int(fields[0]) / TICKS, int(fields[1]) / TICKS) for fields in rows)
 

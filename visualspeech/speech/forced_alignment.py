@@ -1,4 +1,4 @@
-"""Forced alignment: which word, phone and HMM state is spoken when (PocketSphinx, 100 frames a second)."""
+"""Forced alignment: the words, phones and HMM states of an utterance with their times (PocketSphinx, 100 Hz)."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace

@@ -1,8 +1,9 @@
-"""Alignment of recordings of any length, in pieces that are cut in the speaker's pauses.
+"""Alignment of recordings of any duration, in pieces that are cut at the speaker's pauses.
 
-The search of a forced alignment takes memory with the square of the length, and a network is trained on sentences. So
-a window of the sound is searched for as many of the words to come as are said in it; the longest pause well inside the
-window, where the words on both sides are sure, is the cut; and what is before it is aligned as a recording of its own.
+The memory of a forced alignment grows with the square of the duration, and networks are trained on sentences. So the
+decoder finds how many of the remaining words are said in a window of the sound; the window is cut at the longest pause
+well inside it, where the words on both sides are certain; and the part before the cut is aligned as a recording of its
+own.
 """
 
 from collections.abc import Iterable, Iterator
@@ -25,36 +26,36 @@ from visualspeech.speech.forced_alignment import (
 from visualspeech.speech.phones import SILENCE, STATES
 from visualspeech.speech.recognition import RATE, padded, recognise_beginning, recognise_phones, speech_part
 
-WINDOW = 40.0  # seconds; what is not longer is one piece
-_FIRST, _LAST = 8.0, 32.0  # seconds of a window between which it is cut
-_FASTEST = 7.0  # words a second
-_PAUSE = 0.15  # seconds; shorter ones may be the closure of a stop
-_LAST_WORDS = 2  # words at the end of a window that are not sure,
-_ENDED = 3.0  # but where so many seconds of silence follow
+WINDOW = 40.0  # seconds; a shorter recording is one piece
+_FIRST, _LAST = 8.0, 32.0  # seconds from the start of a window between which it is cut
+_FASTEST = 7.0  # words per second
+_PAUSE = 0.15  # seconds; shorter pauses may be the closure of a stop
+_LAST_WORDS = 2  # words at the end of a window that are uncertain,
+_ENDED = 3.0  # unless so many seconds of silence follow them
 
 
 def align_pieces(
     sound: Iterable[np.ndarray], spoken: Pronounced, settings: AlignmentSettings | None = None, rate: float = 100.0
 ) -> Iterator[tuple[int, Alignment]]:
-    """Align a recording piece by piece; memory does not grow with its length.
+    """Align a recording piece by piece; memory does not grow with its duration.
 
     Parameters
     ----------
-    sound : int16 samples, mono, 16 kHz, some at a time
-    spoken : all that is said
-    rate : pieces end at borders of frames of this rate, in Hz
+    sound : consecutive blocks of samples, int16, mono, 16 kHz
+    spoken : all words that are said
+    rate : frame rate in Hz; pieces end at frame borders
 
     Yields
     ------
-    of each piece its last sample (exclusive) in the recording, and its alignment, with times from its beginning
+    for each piece its last sample (exclusive) in the recording, and its alignment, with times from its start
 
     Raises
     ------
     RejectedUtterance
-        The words are not in the sound; of a recording of several pieces, with the time of the piece.
+        The words are not what is said; for a recording of several pieces the reason names the time of the piece.
     """
     settings, held = settings or AlignmentSettings(), _Held(sound)
-    word = 0  # the first that is not aligned yet
+    word = 0  # number of the first word that is not aligned yet
     while True:
         last, samples, begin = held.fill(), held.samples, held.begin
         length, words = len(samples), spoken.slice(word, len(spoken.words))
@@ -72,11 +73,11 @@ def align_pieces(
             if error.reason == NO_SPEECH and not last:
                 words, alignment = words.slice(0, 0), _silence(length)
             else:
-                place = f"from {_clock(begin)} to {_clock(begin + length)}"
+                position = f"from {_clock(begin)} to {_clock(begin + length)}"
                 reason = error.reason
                 if last and reason in (NO_SPEECH, TOO_SHORT):
                     reason = f"the last {len(words.words)} words of the text, from {words.words[0]!r} on, are not said"
-                raise RejectedUtterance(f"{place}: {reason}", LISTEN) from error
+                raise RejectedUtterance(f"{position}: {reason}", LISTEN) from error
         yield begin + length, alignment
         if last:
             return
@@ -87,21 +88,21 @@ def align_pieces(
 def recognised_pieces(
     sound: Iterable[np.ndarray], rate: float = 100.0, settings: AlignmentSettings | None = None
 ) -> Iterator[tuple[int, list[tuple[str, float, float]]]]:
-    """Phones of a recording whose words are not known, piece by piece, as a decoder without words hears them.
+    """Phones of a recording whose words are not known, piece by piece, as the decoder recognises them without words.
 
     Parameters
     ----------
-    sound, rate : as for :func:`align_pieces`
+    sound, rate : see :func:`align_pieces`
 
     Yields
     ------
-    of each piece its last sample (exclusive) in the recording, and its phones (label, start, end) in seconds from its
-    beginning, without a gap
+    for each piece its last sample (exclusive) in the recording, and its phones (label, start, end) in seconds from its
+    start, without gaps
 
     Raises
     ------
     RejectedUtterance
-        Nobody speaks in all of the recording.
+        There is no speech in the recording.
     """
     settings, held, heard = settings or AlignmentSettings(), _Held(sound), 0.0
     while True:
@@ -125,7 +126,7 @@ def recognised_pieces(
 
 
 def _phones(samples: np.ndarray, settings: AlignmentSettings) -> list[tuple[str, float, float]]:
-    """(label, start, end) of what sounds like phones, from the first sample to the last."""
+    """Recognised phones (label, start, end), from the first sample to the last."""
     seconds = len(samples) / RATE
     if not np.any(samples):
         return [(SILENCE, 0.0, seconds)]
@@ -145,15 +146,15 @@ def _phones(samples: np.ndarray, settings: AlignmentSettings) -> list[tuple[str,
 
 
 class _Held:
-    """The sound that is looked at: a window and a little more."""
+    """The part of the sound that is in memory: a window and a little more."""
 
     def __init__(self, sound: Iterable[np.ndarray]) -> None:
         self._sound = iter(sound)
         self.samples = np.zeros(0, np.int16)
-        self.begin = 0  # place of its first sample in the recording
+        self.begin = 0  # position of its first sample in the recording
 
     def fill(self) -> bool:
-        """Take more where there is less than a window; whether what is held is all that is left."""
+        """Read on until there is more than a window; whether the recording ends before that."""
         while len(self.samples) <= WINDOW * RATE:
             more = next(self._sound, None)
             if more is None:
@@ -166,15 +167,15 @@ class _Held:
 
 
 def _at_border(begin: int, seconds: float, rate: float) -> int:
-    """Samples from ``begin`` to the border between two frames that is nearest to some seconds after it."""
+    """Samples from ``begin`` to the frame border that is nearest to ``seconds`` after it."""
     return round(round((begin / RATE + seconds) * rate) / rate * RATE) - begin
 
 
 def recognise(window: np.ndarray, words: Pronounced, settings: AlignmentSettings) -> list[tuple[float, float]]:
-    """(start, end) in seconds of the words that are said in a window of the sound, see :func:`recognise_beginning`."""
+    """(start, end) in seconds of the words that are said in a window, see :func:`recognise_beginning`."""
     if not words.words or not np.any(window):
         return []
-    # A decoder finds words in a long silence before them, and cannot do with one that is perfectly still.
+    # The decoder finds words in a long silence before them, and fails on digital silence.
     first, _ = speech_part(window, settings.speech_threshold, settings.speech_margin)
     noise = np.random.default_rng(0).normal(0, settings.padding_noise, len(window))
     window = np.clip(window + np.rint(noise), -32768, 32767).astype(np.int16)
@@ -185,18 +186,18 @@ def recognise(window: np.ndarray, words: Pronounced, settings: AlignmentSettings
 
 
 def _cut(words: list[tuple[float, float]]) -> tuple[float, int]:
-    """Where to cut a window, in seconds, and how many of the words found in it are before the cut."""
+    """Where to cut a window, in seconds, and the number of words before the cut."""
     if not words:
         return _LAST, 0
     times = np.array(words)
-    # Gap k is before word k; the one behind the last word is sure only where nobody speaks for long.
+    # Gap k is before word k; the gap after the last word is certain only where the silence is long.
     ends, starts = np.r_[0.0, times[:, 1]], np.r_[times[:, 0], WINDOW]
-    sure = len(starts) if starts[-1] - ends[-1] >= _ENDED else max(1, len(words) - _LAST_WORDS + 1)
-    ends, starts = ends[:sure], starts[:sure]
+    certain = len(starts) if starts[-1] - ends[-1] >= _ENDED else max(1, len(words) - _LAST_WORDS + 1)
+    ends, starts = ends[:certain], starts[:certain]
     first, last = np.clip(ends, _FIRST, _LAST), np.clip(starts, _FIRST, _LAST)
     best = int(np.argmax(last - first))
     if last[best] - first[best] < _PAUSE:
-        # Nobody pauses: between two words, as late as can be.
+        # Without a pause the cut is between two words, as late as possible.
         best = int(np.argmax(np.where(starts <= _LAST, starts, -1)))
         return float(starts[best]), best
     return float(first[best] + last[best]) / 2, best
@@ -213,7 +214,7 @@ def _aligned(samples: np.ndarray, words: Pronounced, settings: AlignmentSettings
 
 
 def _silence(length: int) -> Alignment:
-    """Nobody speaks for so many samples."""
+    """Alignment of ``length`` samples without speech."""
     seconds = length / RATE
     borders = np.linspace(0, seconds, STATES + 1).tolist()
     states = tuple(Segment(str(k + 1), borders[k], borders[k + 1], 0) for k in range(STATES))

@@ -2,7 +2,7 @@ rule build_targets:
     input:
         parameters=lambda wildcards: filled(
             "<coding>/parameters/{shard}.h5", wildcards, coding=system_of(wildcards)["coding"]
-        ),
+        )[0],
     output:
         "<system>/targets/{shard}.h5",
     log:

@@ -1,8 +1,4 @@
 # One rule trains every model and one predicts: the row of the tables says how.
-TRAINED = one_of(row.name for name in SETTINGS["systems"] for row in rows_of(name, ("model", "baseline")))
-FLOORS = one_of(row.name for name in SETTINGS["systems"] for row in rows_of(name, ("floor",)))
-
-
 rule train_model:
     input:
         utterances="<corpus>/utterances.tsv",
@@ -14,21 +10,23 @@ rule train_model:
         features=features_of,
         # The model that it is made from, where the settings say `from`.
         parent=lambda wildcards: filled(
-            "<system>/models/{parent}/model.safetensors", wildcards, parent=list(filter(None, [row_of(wildcards).parent]))
+            "<system>/models/{parent}/model.safetensors",
+            wildcards,
+            parent=list(filter(None, [row_of(wildcards).parent])),
         ),
     output:
-        model="<model>/model.safetensors",
-        curve="<model>/learning_curve.tsv",
+        model="<system>/models/{model}/model.safetensors",
+        curve="<system>/models/{model}/learning_curve.tsv",
     log:
         "<system>/logs/train_model/{model}.log",
     benchmark:
         "<system>/benchmarks/train_model/{model}.tsv"
+    wildcard_constraints:
+        model=TRAINED,
     threads: 1
     resources:
         mem_mb=2000,
         disk_mb=200,
-    wildcard_constraints:
-        model=TRAINED,
     params:
         row=lambda wildcards: row_of(wildcards).plain(),
         module=lambda wildcards: FAMILIES[row_of(wildcards).family].module,
@@ -40,21 +38,21 @@ rule train_model:
 rule predict_model:
     input:
         utterances="<corpus>/utterances.tsv",
-        model="<model>/model.safetensors",
+        model="<system>/models/{model}/model.safetensors",
         targets=shards("<system>/targets/{shard}.h5"),
         features=features_of,
     output:
-        "<model>/predictions.h5",
+        "<system>/models/{model}/predictions.h5",
     log:
         "<system>/logs/predict_model/{model}.log",
     benchmark:
         "<system>/benchmarks/predict_model/{model}.tsv"
+    wildcard_constraints:
+        model=TRAINED,
     threads: 1
     resources:
         mem_mb=2000,
         disk_mb=200,
-    wildcard_constraints:
-        model=TRAINED,
     params:
         reads=lambda wildcards: len(row_of(wildcards).reads),
         module=lambda wildcards: FAMILIES[row_of(wildcards).family].module,
@@ -68,15 +66,15 @@ rule reconstruct_targets:
         utterances="<corpus>/utterances.tsv",
         targets=shards("<system>/targets/{shard}.h5"),
     output:
-        "<model>/predictions.h5",
+        "<system>/models/{model}/predictions.h5",
     log:
         "<system>/logs/reconstruct_targets/{model}.log",
+    wildcard_constraints:
+        model=FLOORS,
     threads: 1
     resources:
         mem_mb=500,
         disk_mb=200,
-    wildcard_constraints:
-        model=FLOORS,
     params:
         code=code("reconstruct_targets.py"),
     script:

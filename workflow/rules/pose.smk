@@ -1,8 +1,4 @@
 # A head for each speaker, and the list of accepted utterances: one for all systems.
-def heads_of(wildcards):
-    return filled("<corpus>/heads/{speaker}.safetensors", wildcards, speaker=list(PLAN.corpora[wildcards.corpus].speakers))
-
-
 rule fit_head:
     input:
         utterances=shards("<corpus>/corpus/utterances/{shard}.tsv"),
@@ -55,9 +51,7 @@ rule accept_utterances:
         heads=heads_of,
         landmarks=shards("<corpus>/landmarks/{shard}.h5"),
         pose=shards("<corpus>/pose/{shard}.h5"),
-        checked="<corpus>/check/findings.tsv",
-        aligned=shards("<corpus>/alignment/{shard}.findings.tsv"),
-        tracked=shards("<corpus>/landmarks/{shard}.findings.tsv"),
+        findings=findings_of,
     output:
         accepted="<corpus>/utterances.tsv",
         findings="<corpus>/findings.tsv",

@@ -1,13 +1,33 @@
-def shown_model(file):
-    """Input function: a file of the model that a system's videos show."""
-    return lambda wildcards: filled(f"<model>/{file}", wildcards, model=system_of(wildcards)["videos"]["model"])
-
-
-def faces(wildcards):
-    """Files of the faces that a coding's parameters code: at the tracker's landmarks, or where the fitted AAM finds them."""
-    name = getattr(wildcards, "coding", None) or system_of(wildcards)["coding"]
-    folder = "fitted" if SETTINGS["codings"][name]["source"] == "fit" else "textures"
-    pattern = f"<coding>/{folder}/{{shard}}.h5"
-    numbers = [wildcards.shard] if hasattr(wildcards, "shard") else PLAN.corpora[wildcards.corpus].shards
-    return [path for number in numbers for path in expand(
-        workflow.pathvars.apply(pattern), corpus=wildcards.corpus, coding=name, shard=number)]
+rule render_videos:
+    input:
+        utterances="<corpus>/utterances.tsv",
+        aam=of_coding("model.safetensors"),
+        reference=of_coding("reference.safetensors"),
+        head=of_head,
+        predictions=shown_model("predictions.h5"),
+        landmarks=shards("<corpus>/landmarks/{shard}.h5"),
+        pose=shards("<corpus>/pose/{shard}.h5"),
+        parameters=lambda wildcards: filled(
+            "<coding>/parameters/{shard}.h5",
+            wildcards,
+            coding=system_of(wildcards)["coding"],
+            shard=PLAN.corpora[wildcards.corpus].shards,
+        ),
+        textures=faces,
+    output:
+        directory("<system>/videos"),
+    log:
+        "<system>/logs/render_videos.log",
+    benchmark:
+        "<system>/benchmarks/render_videos.tsv"
+    threads: 1
+    resources:
+        mem_mb=1500,
+        disk_mb=1000,
+    params:
+        clips=lambda wildcards: system_of(wildcards)["videos"]["count"],
+        label=lambda wildcards: system_of(wildcards)["videos"]["label"],
+        names=lambda wildcards: {**names_of(wildcards), "model": system_of(wildcards)["videos"]["model"]},
+        code=code("render_videos.py"),
+    script:
+        "../scripts/render_videos.py"

@@ -1,11 +1,11 @@
-"""Settle which utterances the models see: those that no stage has rejected."""
+"""Decide which utterances the models see: those that no stage has rejected."""
 
 from visualspeech.corpora.findings import check_share, read_findings, rejected_ids, rejection, write_findings
+from visualspeech.corpora.records import legal_id
 from visualspeech.corpora.table import read_split, read_utterances, write_accepted
-from visualspeech.face.head import HeadModel
-from visualspeech.face.pose import rigid_error
-from visualspeech.face.sampling import other_sizes
-from visualspeech.face.screening import ScreeningSettings, screen
+from visualspeech.face.head import load_heads
+from visualspeech.face.screening import ScreeningSettings
+from visualspeech.face.speakers import screen_speakers
 from visualspeech.jobs import job, log
 from visualspeech.storage import ArrayCollection
 
@@ -15,9 +15,10 @@ with (
     ArrayCollection(snakemake.input.pose) as pose,
 ):
     utterances = {one.id: one for path in snakemake.input.utterances for one in read_utterances(path)}
-    head = HeadModel.load(snakemake.input.head)
-    errors = {one: rigid_error(pose.array(one, "points"), head) for one in pose.ids}
-    refused = screen(errors, ScreeningSettings(**snakemake.params.settings)) | other_sizes(landmarks, pose.ids)
+    speakers = {name: legal_id(one.speaker) for name, one in utterances.items()}
+    heads = load_heads(snakemake.params.speakers, snakemake.input.heads)
+    settings = ScreeningSettings(**snakemake.params.settings)
+    refused = screen_speakers(landmarks, pose, heads, speakers, settings)
     findings = read_findings(*snakemake.input.findings)
     findings += [rejection(one, "pose", utterances[one].media, error) for one, error in refused.items()]
     check_share(findings, len(utterances), snakemake.params.limit)

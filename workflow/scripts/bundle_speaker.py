@@ -6,7 +6,7 @@ from visualspeech.animation.background import choose_recordings, write_backgroun
 from visualspeech.animation.bundle import FILES, describe_bundle, resting_face
 from visualspeech.corpora.table import of_split, read_utterances
 from visualspeech.errors import SettingError
-from visualspeech.face.aam.model import reference_face
+from visualspeech.face.drift import reference_face
 from visualspeech.face.pose import Pose
 from visualspeech.features.contexts import read_phones
 from visualspeech.jobs import job, log

@@ -1,20 +1,18 @@
-"""Code the faces of one shard as parameters of the active appearance model."""
+"""Code the faces of one shard as parameters of the visual coding."""
 
-from visualspeech.face.aam.model import Aam, reference_face
-from visualspeech.face.drift import remove_shape
+from visualspeech.face.coding import load_coding
+from visualspeech.face.drift import Faces
 from visualspeech.jobs import job, progress
 from visualspeech.storage import ArrayReader, ArrayWriter
 
-UNITS = {"points": "px of the frontal picture, drift removed", "residual": "grey levels"}
+UNITS = {"points": "px of the normalised face, drift removed", "residual": "grey levels"}
 
 with (
     job(snakemake.log[0]),
     ArrayReader(snakemake.input.textures) as textures,
     ArrayWriter(snakemake.output[0]) as out,
 ):
-    aam = Aam.load(snakemake.input.aam)
+    coding = load_coding(snakemake.input.aam)
     for one in progress(textures.ids, len(textures.ids), "utterances"):
-        shape, face = textures.array(one, "shape"), reference_face(textures, one)
-        coded = aam.encode_utterance(shape, textures.array(one, "texture"), face)
-        arrays = {**coded._asdict(), "points": remove_shape(shape, face, aam.drift)}
-        out.add(one, arrays, textures.rate(one), UNITS)
+        coded = coding.encode_faces(Faces.read(textures, one))
+        out.add(one, {"appearance": coded.parameters, **coded.details}, textures.rate(one), UNITS)

@@ -1,9 +1,8 @@
 """Fit one input block to the training utterances of a corpus."""
 
-from visualspeech.features.contexts import read_phones
-
 from visualspeech.corpora.table import of_split, read_utterances
 from visualspeech.features.blocks.base import block_class, read_sources, save_block
+from visualspeech.features.contexts import read_phones
 from visualspeech.jobs import job
 from visualspeech.storage import ArrayCollection
 

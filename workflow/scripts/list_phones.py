@@ -1,7 +1,6 @@
 """The phones that the corpus speaks: the K of the label vectors."""
 
 from visualspeech.features.contexts import phone_inventory, write_phones
-
 from visualspeech.jobs import job
 from visualspeech.speech.alignment import read_alignments
 

@@ -7,7 +7,7 @@ from visualspeech.animation.video import Recording, Speaker
 from visualspeech.animation.video_settings import VideoSettings
 from visualspeech.corpora.table import of_split, read_utterances
 from visualspeech.evaluation.preference import answer_sheet, draw_pairs, key_table
-from visualspeech.face.aam.model import reference_face
+from visualspeech.face.drift import reference_face
 from visualspeech.face.pose import Pose
 from visualspeech.jobs import job, progress
 from visualspeech.storage import ArrayCollection, ArrayReader, replacing, write_table

@@ -5,7 +5,7 @@ from pathlib import Path
 from visualspeech.animation.video import Recording, Speaker, write_talking_head
 from visualspeech.animation.video_settings import VideoSettings
 from visualspeech.corpora.table import of_split, read_utterances
-from visualspeech.face.aam.model import reference_face
+from visualspeech.face.drift import reference_face
 from visualspeech.face.pose import Pose
 from visualspeech.jobs import job, log, progress
 from visualspeech.storage import ArrayCollection, ArrayReader, replacing
@@ -26,7 +26,7 @@ with (
     speaker = Speaker.load(source.head, source.aam, source.reference)
     chosen = of_split(read_utterances(source.utterances), "test")[: shown["count"]]
     for one in progress(chosen, len(chosen), "videos"):
-        turned = Pose(pose.array(one.id, "rotation"), pose.array(one.id, "translation"))
+        turned = Pose.read(pose, one.id)
         recording = Recording(landmarks.array(one.id, "points"), turned, reference_face(textures, one.id))
         panels = {
             "AAM reconstruction": (parameters.array(one.id, "appearance"), parameters.rate(one.id)),

@@ -1,22 +1,19 @@
-"""The result table of the run, in four forms from one definition."""
-
-from pathlib import Path
+"""The result table of a system: every row with every measure."""
 
 from visualspeech.corpora.table import read_split
+from visualspeech.evaluation.facts import TableFacts
+from visualspeech.evaluation.forms import all_forms
+from visualspeech.evaluation.measured import MeasuredRows
 from visualspeech.evaluation.statistics import BootstrapSettings
-from visualspeech.evaluation.table_formats import to_html_page, to_latex, to_markdown, to_tsv
-from visualspeech.evaluation.tables import TableFacts, result_table
+from visualspeech.evaluation.tables import TableSettings, result_tables
 from visualspeech.jobs import job
-from visualspeech.provenance import split_hash
-from visualspeech.storage import read_table, write_text
+from visualspeech.storage import read_shapes, read_table, write_text
 
+source, params = snakemake.input, snakemake.params
 with job(snakemake.log[0]):
-    measured = {Path(path).parent.name: read_table(path) for path in snakemake.input.metrics}
-    facts = TableFacts(split_hash=split_hash(read_split(snakemake.input.utterances)), **snakemake.params.facts)
-    settings = {
-        key: value for key, value in snakemake.params.settings.items() if key not in ("bootstrap", "comparison")
-    }
-    bootstrap = BootstrapSettings(**snakemake.params.settings["bootstrap"], seed=snakemake.params.seed)
-    table = result_table(measured, facts, settings, bootstrap)
-    for path, form in zip(snakemake.output, (to_tsv, to_markdown, to_latex, to_html_page), strict=True):
-        write_text(path, form(table))
+    measured = MeasuredRows.of(params.rows, [read_table(path) for path in source.statistics])
+    facts = TableFacts.of(params.facts, read_split(source.utterances), read_shapes(source.coding), measured)
+    bootstrap = BootstrapSettings(**params.bootstrap, seed=params.seed)
+    frame, tables = result_tables(measured, facts.lines(measured), TableSettings(**params.settings), bootstrap)
+    for path, text in zip(snakemake.output, all_forms(frame, tables, "Objective measures"), strict=True):
+        write_text(path, text)

@@ -1,24 +1,22 @@
-"""Table 1: the networks by topology and nodes, beside the figures that the paper prints."""
-
-from pathlib import Path
+"""The networks by topology and nodes, beside published figures."""
 
 from visualspeech.corpora.table import read_split
-from visualspeech.evaluation.published_results import published
-from visualspeech.evaluation.sheets import all_forms
-from visualspeech.evaluation.statistics import BASE_ROW
-from visualspeech.evaluation.tables import TableFacts, TableSettings, run_facts
-from visualspeech.evaluation.topologies import topology_frame, topology_sheets
+from visualspeech.evaluation.facts import TableFacts
+from visualspeech.evaluation.forms import all_forms
+from visualspeech.evaluation.measured import MeasuredRows
+from visualspeech.evaluation.published_results import published, shared_metrics
+from visualspeech.evaluation.tables import TableSettings
+from visualspeech.evaluation.topologies import topology_frame, topology_tables
 from visualspeech.jobs import job
-from visualspeech.provenance import split_hash
-from visualspeech.storage import read_table, write_text
+from visualspeech.storage import read_shapes, read_table, write_text
 
+source, params = snakemake.input, snakemake.params
 with job(snakemake.log[0]):
-    measured = {Path(path).parent.name: read_table(path) for path in snakemake.input.metrics}
-    facts = TableFacts(split_hash=split_hash(read_split(snakemake.input.utterances)), **snakemake.params.facts)
-    lines = (*run_facts(facts, measured[BASE_ROW]), ("nodes of a B layer count", f"one {snakemake.params.b_nodes}"))
-    digits = TableSettings(**snakemake.params.settings)
-    paper = published(facts.experiment)
-    frame = topology_frame(measured, paper)
-    sheets = topology_sheets(frame, lines, paper, digits.digits, digits.ratio_digits)
-    for path, text in zip(snakemake.output, all_forms(frame, sheets, "Topologies"), strict=True):
+    measured = MeasuredRows.of(params.rows, [read_table(path) for path in source.statistics])
+    facts = TableFacts.of(params.facts, read_split(source.utterances), read_shapes(source.coding), measured)
+    settings, paper = TableSettings(**params.settings), published(params.published)
+    frame = topology_frame(measured, shared_metrics(paper, settings.metrics), paper)
+    digits = settings.digits, settings.ratio_digits
+    tables = topology_tables(frame, measured, facts.lines(measured), paper, *digits)
+    for path, text in zip(snakemake.output, all_forms(frame, tables, "Topologies"), strict=True):
         write_text(path, text)

@@ -1,16 +1,22 @@
-"""Fig. 4: what the listeners of a preference test answered, by the key."""
+"""What the listeners of a preference test answered, by the key."""
 
-from visualspeech.evaluation.preference import preference_frame, preference_sheets, tally
+from visualspeech.corpora.table import read_split
+from visualspeech.evaluation.facts import TableFacts
+from visualspeech.evaluation.forms import all_forms
+from visualspeech.evaluation.measured import MeasuredRows
+from visualspeech.evaluation.preference import preference_frame, preference_tables, tally
 from visualspeech.evaluation.published_results import published
-from visualspeech.evaluation.sheets import all_forms
 from visualspeech.jobs import job
-from visualspeech.storage import read_table, write_text
+from visualspeech.storage import read_shapes, read_table, write_text
 
+source, params = snakemake.input, snakemake.params
 with job(snakemake.log[0]):
-    key = read_table(snakemake.input.key, ("utterance", "A", "B"))
-    found = tally(read_table(snakemake.input.answers, ("listener", "answer")), key)
-    paper = published(snakemake.params.experiment)
-    shares, source = (paper.preference, paper.source) if paper else ({}, "")
-    frame, sheets = preference_frame(found, shares), preference_sheets(found, shares, source)
-    for path, text in zip(snakemake.output, all_forms(frame, sheets, "Preference"), strict=True):
+    key = read_table(source.key, ("utterance", "A", "B"))
+    found = tally(read_table(source.answers, ("listener", "answer")), key, source.answers)
+    measured = MeasuredRows.of(params.rows, [read_table(path) for path in source.statistics])
+    facts = TableFacts.of(params.facts, read_split(source.utterances), read_shapes(source.coding), measured)
+    paper = published(params.published)
+    frame = preference_frame(found, paper)
+    tables = preference_tables(found, facts.lines(measured), paper, measured.titles)
+    for path, text in zip(snakemake.output, all_forms(frame, tables, "Preference test"), strict=True):
         write_text(path, text)

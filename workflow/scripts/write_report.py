@@ -1,37 +1,27 @@
-"""The report: one page that opens offline."""
+"""The report of a corpus with all its systems: one page that opens offline."""
 
+from visualspeech.corpora.findings import read_findings
 from visualspeech.corpora.table import read_split, read_utterances
 from visualspeech.evaluation import gathering
 from visualspeech.evaluation.report import ReportContent, render_report
-from visualspeech.evaluation.sheets import fragment_of
-from visualspeech.evaluation.table_formats import from_tsv
-from visualspeech.face.aam.model import Aam
-from visualspeech.face.aam.reference import Reference
 from visualspeech.jobs import job
 from visualspeech.provenance import split_hash
-from visualspeech.storage import ArrayCollection, read_text, write_text
+from visualspeech.storage import write_text
 
-source, settings = snakemake.input, snakemake.params.settings
-with job(snakemake.log[0]), ArrayCollection(source.features) as features:
-    utterances, model = read_utterances(source.utterances), settings["videos"]["model"]
-    sizes, frames = gathering.split_sizes(utterances, features)
+source, params, page = snakemake.input, snakemake.params, snakemake.output[0]
+with job(snakemake.log[0]):
+    utterances = read_utterances(source.utterances)
     content = ReportContent(
-        corpus=settings["corpus"]["name"],
-        experiment=settings["experiment"],
+        corpus=params.corpus,
         split_hash=split_hash(read_split(source.utterances)),
-        drift=settings["drift"]["method"],
-        consent=settings["corpus"].get("consent", ""),
-        utterances=sizes,
-        frames=frames,
-        tables=(from_tsv(read_text(source.table)),),
-        sheets=tuple(fragment_of(read_text(path)) for path in source.sheets),
-        learning_curves=gathering.learning_curves(source.curves),
-        trajectories=gathering.trajectory_pictures(utterances, features, source.predictions, source.alignment, 3),
-        modes=gathering.aam_modes(Aam.load(source.aam), Reference.load(source.reference)),
-        videos=gathering.videos(source.videos, snakemake.output[0], utterances, model),
-        findings=gathering.findings(source.findings),
-        timings=gathering.stage_timings(snakemake.params.benchmarks, frames),
-        settings=settings,
+        systems=tuple(gathering.system_section(given, utterances, source.alignment, page) for given in params.systems),
+        tables=gathering.fragments(source.get("tables", [])),
+        consent=params.consent,
+        utterances=gathering.split_sizes(utterances),
+        findings=tuple(read_findings(source.findings)),
+        timings=gathering.stage_timings(source.benchmarks, source.get("landmarks", [])),
+        settings=params.settings,
         versions=gathering.versions(),
+        **gathering.origin(),
     )
-    write_text(snakemake.output[0], render_report(content))
+    write_text(page, render_report(content))

@@ -4,18 +4,19 @@ from pathlib import Path
 
 import numpy as np
 import torch
+from visualspeech.models.blstm import Stack, StackSettings
 
-from tests.unit.animation.faces import draw
+from tests.unit.animation.faces import POINTS, draw
 from tests.unit.face import heads
 from visualspeech.animation.background import write_background
 from visualspeech.animation.bundle import FILES, describe_bundle
 from visualspeech.face.aam.model import AamSettings, fit
-from visualspeech.face.aam.points import lower_face, to_vector
 from visualspeech.face.aam.reference import ReferenceSettings, fit_reference, sample_textures
 from visualspeech.face.aam.rows import ArrayRows
 from visualspeech.face.drift import FaceReference
-from visualspeech.face.pose import estimate, fit_head, to_frontal
-from visualspeech.features.label_parts import part_sizes
+from visualspeech.face.head import fit_head
+from visualspeech.face.point_sets import to_vector
+from visualspeech.face.pose import estimate, to_frontal
 from visualspeech.models.blstm import Stack, StackSettings
 from visualspeech.models.network import Network
 from visualspeech.provenance import file_digest
@@ -31,14 +32,14 @@ def make(folder: Path, phones=PHONES, rate: float = 25.0, seed: int = 4) -> Path
     points = heads.record(sum(LENGTHS), seed=seed, mouth=5).points
     recordings = np.split(points, [LENGTHS[0]])
     head = fit_head(points, heads.SIZE)
-    frontal = lower_face(to_frontal(points, estimate(points, head), head))
-    reference = fit_reference([frontal], ReferenceSettings(texture_pixels=1200))
-    textures = sample_textures((draw(one) for one in points), lower_face(points), reference)
+    frontal = POINTS.select(to_frontal(points, estimate(points, head, rate=rate), head))
+    reference = fit_reference([frontal], POINTS, ReferenceSettings(texture_pixels=1200))
+    textures = sample_textures((draw(one) for one in points), POINTS.select(points), reference)
     components = {"components": 6}
     settings = AamSettings(shape=components, texture=components, appearance=components)
     shapes = to_vector(frontal)
     zero = FaceReference(np.zeros(102, np.float32), np.zeros(textures.shape[1], np.float32))
-    aam = fit(shapes, ArrayRows(textures.astype(np.float32)), settings, zero)
+    aam = fit(shapes, ArrayRows(textures.astype(np.float32)), POINTS, settings, zero)
     appearance = aam.encode(shapes, textures).appearance
     head.save(folder / FILES["head"])
     aam.save(folder / FILES["aam"])
@@ -49,7 +50,7 @@ def make(folder: Path, phones=PHONES, rate: float = 25.0, seed: int = 4) -> Path
     write_background(
         folder / FILES["background"],
         (
-            (f"r{i}", f"r{i}.mp4", (draw(p) for p in one), one, estimate(one, head), zero, rate)
+            (f"r{i}", f"r{i}.mp4", (draw(p) for p in one), one, estimate(one, head, rate=rate), zero, rate)
             for i, one in enumerate(recordings)
         ),
     )

@@ -12,7 +12,6 @@ from visualspeech.animation.performance import REST, in_phones_of, pause_weights
 from visualspeech.animation.speaking import scene, speak, speaking_frames
 from visualspeech.animation.speaking_settings import SpeakSettings
 from visualspeech.errors import DataError, SettingError, StorageError
-from visualspeech.face.aam.points import INNER_LIPS, to_points
 from visualspeech.features.resampling import resample
 from visualspeech.media.reading import probe, read_audio, read_frames
 from visualspeech.media.spooling import Spool
@@ -155,7 +154,7 @@ def test_the_mouth_is_at_rest_in_silence(bundle):
     aam = bundle.speaker.aam
 
     def opening(appearance):
-        points = to_points(aam.decode(np.atleast_2d(appearance))[0])[:, INNER_LIPS]
+        points = aam.points.region(aam.decode_points(np.atleast_2d(appearance)), "inner_lips")
         return points[:, 6, 1] - points[:, 2, 1]
 
     spoken = list(speak_text("Mama. Papa and more."))

@@ -3,7 +3,7 @@ import numpy as np
 import pytest
 
 from tests.synthetic import hum
-from tests.unit.animation.faces import draw
+from tests.unit.animation.faces import POINTS, draw
 from tests.unit.face import heads
 from visualspeech.animation.video import (
     Panel,
@@ -18,11 +18,12 @@ from visualspeech.animation.video_settings import VideoSettings
 from visualspeech.corpora.records import Utterance
 from visualspeech.errors import DataError
 from visualspeech.face.aam.model import AamSettings, fit
-from visualspeech.face.aam.points import lower_face, to_vector
 from visualspeech.face.aam.reference import ReferenceSettings, fit_reference, sample_textures
 from visualspeech.face.aam.rows import ArrayRows
 from visualspeech.face.drift import FaceReference
-from visualspeech.face.pose import estimate, fit_head, to_frontal
+from visualspeech.face.head import fit_head
+from visualspeech.face.point_sets import to_vector
+from visualspeech.face.pose import estimate, to_frontal
 from visualspeech.media.encoding import write_video
 from visualspeech.media.reading import probe, read_audio, read_frames
 
@@ -34,14 +35,15 @@ def spoken(tmp_path_factory):
     path = tmp_path_factory.mktemp("recordings") / "a.mp4"
     write_video(path, (draw(points) for points in made.points), 25.0, hum(0.8, 48000), 48000)
     head = fit_head(made.points, heads.SIZE)
-    pose = estimate(made.points, head)
-    shapes = to_vector(lower_face(to_frontal(made.points, pose, head)))
-    reference = fit_reference([lower_face(to_frontal(made.points, pose, head))], ReferenceSettings(texture_pixels=2000))
-    textures = sample_textures(read_frames(path), lower_face(made.points), reference)
+    pose = estimate(made.points, head, rate=25.0)
+    shapes = to_vector(POINTS.select(to_frontal(made.points, pose, head)))
+    frontal = POINTS.select(to_frontal(made.points, pose, head))
+    reference = fit_reference([frontal], POINTS, ReferenceSettings(texture_pixels=2000))
+    textures = sample_textures(read_frames(path), POINTS.select(made.points), reference)
     components = {"components": 6}
     settings = AamSettings(shape=components, texture=components, appearance={"components": 8})
     zero = FaceReference(np.zeros(102, np.float32), np.zeros(textures.shape[1], np.float32))
-    aam = fit(shapes, ArrayRows(textures.astype(np.float32)), settings, zero)
+    aam = fit(shapes, ArrayRows(textures.astype(np.float32)), POINTS, settings, zero)
     v = aam.encode(shapes, textures).appearance
     utterance = Utterance("a", "s1", str(path), "spoken words")
     return utterance, Recording(made.points, pose, zero), Speaker(head, aam, reference), v
@@ -50,7 +52,7 @@ def spoken(tmp_path_factory):
 def test_reconstruction_looks_like_the_recording(spoken):
     utterance, recording, speaker, v = spoken
     recorded = list(read_frames(utterance.media))
-    rendered = list(synthetic_frames(iter(recorded), v, recording, speaker))
+    rendered = list(synthetic_frames(iter(recorded), v, recording, speaker, rate=25.0))
     assert len(rendered) == len(recorded)
     for a, b in zip(recorded, rendered, strict=True):
         assert np.abs(a.astype(int) - b).mean() < 1.0
@@ -59,11 +61,11 @@ def test_reconstruction_looks_like_the_recording(spoken):
 def test_the_drift_of_the_utterance_is_put_back(spoken):
     utterance, recording, speaker, v = spoken
     recorded = list(read_frames(utterance.media))
-    plain = list(synthetic_frames(iter(recorded), v, recording, speaker))
+    plain = list(synthetic_frames(iter(recorded), v, recording, speaker, rate=25.0))
     up = np.zeros(102, np.float32)
     up[51 + 26 : 51 + 46] = 6  # the lips of this utterance lie 6 pixels lower
     seat = Recording(recording.landmarks, recording.pose, FaceReference(up, recording.drift.texture))
-    moved = list(synthetic_frames(iter(recorded), v, seat, speaker))
+    moved = list(synthetic_frames(iter(recorded), v, seat, speaker, rate=25.0))
 
     def height_of_mouth(picture):
         return 140 + np.nonzero(picture[140:].max(axis=2) < 100)[0].mean()  # below the eyes only its inside is dark

@@ -89,8 +89,8 @@ def test_costs_are_the_mean_distance_along_both_ways():
 
 
 def test_bad_settings():
-    with pytest.raises(SettingError, match="crossfade_frames"):
-        WalkSettings(crossfade_frames=-1)
+    with pytest.raises(SettingError, match="crossfade"):
+        WalkSettings(crossfade=-1)
     with pytest.raises(SettingError, match="visibility_threshold"):
         WalkSettings(visibility_threshold=-1)
     with pytest.raises(DataError, match="no background"):

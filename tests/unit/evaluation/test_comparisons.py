@@ -6,36 +6,37 @@ import numpy as np
 import pandas
 import pytest
 
-from visualspeech.errors import DataError, SettingError
+from tests.unit.evaluation.examples import measured, stack, statistics
+from visualspeech.errors import SettingError
 from visualspeech.evaluation.comparisons import (
     ComparisonSettings,
     compare,
-    comparison_sheets,
+    comparison_tables,
     holm,
     sign_permutation,
     signed_rank,
 )
-from visualspeech.evaluation.metrics import METRICS, corpus_figure
+from visualspeech.evaluation.metrics import corpus_figure
 from visualspeech.evaluation.statistics import BootstrapSettings
 
 BOOTSTRAP = BootstrapSettings(300, 0.95, 1)
 
 
-def table(values, corr=0.5):
-    columns = {"id": [f"u{i}" for i in range(len(values))], "frames": np.arange(len(values)) + 20}
-    columns |= {name: values for name in METRICS}
-    return pandas.DataFrame(columns | {"corr": corr, "corr_undefined": 0, "true_scatter": 2.0})
+def of(tables):
+    return measured(*((stack(name, "FBB", 128, cell=name), table) for name, table in tables.items()))
 
 
 def rows(utterances=30):
     generator = np.random.default_rng(4)
     base = generator.uniform(1, 3, utterances)
-    return {
-        "worse": table(base + 0.5 + 0.05 * generator.normal(size=utterances)),
-        "good": table(base),
-        "same": table(base + 0.05 * generator.normal(size=utterances)),
-        "worst": table(base + 0.9),
-    }
+    return of(
+        {
+            "worse": statistics(base + 0.5 + 0.05 * generator.normal(size=utterances)),
+            "good": statistics(base),
+            "same": statistics(base + 0.05 * generator.normal(size=utterances)),
+            "worst": statistics(base + 0.9),
+        }
+    )
 
 
 def all_signs(differences):
@@ -88,17 +89,31 @@ def test_real_differences_are_found_and_others_are_not(test):
     assert real[frozenset(("good", "same"))] == ""
     assert real[frozenset(("worse", "worst"))] == "worse" and real[frozenset(("good", "worst"))] == "good"
     for line in frame.itertuples():
-        figures = [corpus_figure(rows()[row], "rmse_shape") for row in (line.first, line.second)]
+        figures = [corpus_figure(rows().tables[row], "rmse_shape") for row in (line.first, line.second)]
         assert (line.first_value, line.second_value) == pytest.approx(figures)
         assert line.low <= line.difference <= line.high and line.difference <= 0
         assert line.p <= line.p_holm
 
 
 def test_high_is_better_where_it_is():
-    found = {"a": table(np.ones(20), np.linspace(0.4, 0.6, 20)), "b": table(np.ones(20), np.linspace(0.5, 0.8, 20))}
-    frame = compare(found, ["corr", "variance_kept"], None, BOOTSTRAP)
-    assert list(frame["first"])[0] == "b" and frame["better"][0] == "b"
-    assert frame["p"][1] == 1.0 and frame["better"][1] == ""
+    corr = {"a": np.linspace(0.4, 0.6, 20), "b": np.linspace(0.5, 0.8, 20)}
+    found = of({name: statistics(np.ones(20), values) for name, values in corr.items()})
+    frame = compare(found, ["corr", "ccc", "gv_ratio"], None, BOOTSTRAP)
+    assert list(frame["first"])[:2] == ["b", "b"] and list(frame["better"]) == ["b", "b", ""]
+    assert frame["p"][2] == 1.0
+
+
+def test_the_floor_is_left_out_and_seeds_are_one_row():
+    base = np.linspace(1, 2, 12)
+    found = measured(
+        (stack("FBB-128", "FBB", 128), statistics(base)),
+        (stack("FBB-128-s2", "FBB", 128, seed=2), statistics(base + 0.2)),
+        ("training_mean", statistics(base + 1)),
+        ("floor", statistics(0 * base)),
+    )
+    (line,) = compare(found, ["rmse_shape"], None, BOOTSTRAP).itertuples()
+    assert (line.first, line.second) == ("FBB-128", "training_mean")
+    assert line.first_value == pytest.approx(np.average(base + 0.1, weights=np.arange(12) + 20))
 
 
 def test_same_answer_again():
@@ -109,20 +124,18 @@ def test_same_answer_again():
     )
 
 
-def test_sheets_count_and_say_what_they_cannot():
+def test_tables_count_and_say_what_they_cannot():
     settings = ComparisonSettings()
     frame = compare(rows(), ["rmse_shape"], settings, BOOTSTRAP)
-    (sheet,) = comparison_sheets(frame, 30, settings)
-    cells = {name: [cell.text for cell in line] for name, line in sheet.rows}
+    (sheet,) = comparison_tables(frame, rows(), settings)
+    cells = {row.title: [cell.text for cell in row.cells] for row in sheet.rows}
     assert cells["worst"][3:] == ["0", "3"] and cells["worse"][3:] == ["1", "2"]
-    assert "all 6 pairs" in sheet.notes[0] and len(sheet.notes) == 1
-    few = comparison_sheets(compare(rows(6), ["rmse_shape"], settings, BOOTSTRAP), 6, settings)[0]
-    assert "nothing can be significant" in few.notes[1]
+    assert "all 6 pairs" in sheet.notes[0] and len(sheet.notes) == 2
+    few = comparison_tables(compare(rows(6), ["rmse_shape"], settings, BOOTSTRAP), rows(6), settings)[0]
+    assert "no difference can be significant" in few.notes[2]
 
 
 def test_mistakes_are_named():
-    with pytest.raises(DataError, match="`b` was evaluated on other utterances"):
-        compare({"a": table(np.ones(4)), "b": table(np.ones(5))}, ["corr"])
     for wrong in ({"test": "t"}, {"level": 0.0}, {"permutations": 3}):
         with pytest.raises(SettingError, match="tables.comparison"):
             ComparisonSettings(**wrong)

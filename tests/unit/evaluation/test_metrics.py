@@ -1,4 +1,4 @@
-"""Eq. 16-19 against figures worked out by hand, and against a plain slow version of the printed sums."""
+"""Eq. 16-19 against figures worked out by hand, and against a plain slow version of the printed sums; CCC likewise."""
 
 import numpy as np
 import pytest
@@ -19,6 +19,13 @@ def faces(appearance, shape=None, texture=None, lips=None) -> FaceSequence:
     )
 
 
+def score(predicted: FaceSequence, true: FaceSequence, name: str = "a") -> dict:
+    """Statistics of an utterance, and its figures under the names of the measures."""
+    row = metrics.score(name, predicted, true, 25.0)
+    table = metrics.score_table([row])
+    return row | {name: metrics.corpus_figure(table, name) for name in metrics.METRICS}
+
+
 def random_faces(generator, frames: int, like: FaceSequence | None = None, noise: float = 1.0) -> FaceSequence:
     sizes = {"appearance": (7,), "shape": (5,), "texture": (9,), "lips": (20, 2)}
     drawn = {name: noise * generator.normal(size=(frames, *size)) for name, size in sizes.items()}
@@ -36,7 +43,7 @@ def test_root_mean_square_error_by_hand():
 
 def test_error_is_the_mean_of_roots_and_not_the_root_of_the_mean():
     true, predicted = np.zeros((2, 1)), np.array([[1.0], [3.0]])
-    row = metrics.score("a", faces(predicted), faces(true))
+    row = score(faces(predicted), faces(true))
     assert row["rmse_appearance"] == 2.0  # (1 + 3) / 2; the root of the mean square would be sqrt(5)
 
 
@@ -60,7 +67,7 @@ def test_constant_vector_has_no_correlation_and_counts_as_nothing_gained():
     predicted = np.array([[0.1, 0.1, 0.1], [1.0, 2.0, 4.0]])
     correlation = metrics.frame_correlation(predicted, true)
     assert np.isnan(correlation[0]) and correlation[1] == pytest.approx(1)
-    row = metrics.score("a", faces(predicted), faces(true))
+    row = score(faces(predicted), faces(true))
     assert row["corr_undefined"] == 1
     assert row["corr"] == pytest.approx(0.5)  # (0 + 1) / 2: the frame stays in the denominator
 
@@ -74,7 +81,7 @@ def test_constant_vectors_are_recognised_whatever_their_size(value):
 
 
 def test_one_dimension_has_no_correlation():
-    row = metrics.score("a", faces([[1.0], [2.0]]), faces([[1.0], [3.0]]))
+    row = score(faces([[1.0], [2.0]]), faces([[1.0], [3.0]]))
     assert (row["corr"], row["corr_undefined"]) == (0.0, 2)
 
 
@@ -82,17 +89,17 @@ def test_lip_distance_by_hand():
     lips = np.zeros((1, 20, 2))
     lips[0, 0] = (3.0, 4.0)  # 5 px
     lips[0, 1] = (0.0, 1.0)  # 1 px
-    row = metrics.score("a", faces([[0.0, 1.0]], lips=lips), faces([[0.0, 1.0]]))
+    row = score(faces([[0.0, 1.0]], lips=lips), faces([[0.0, 1.0]]))
     assert row["lip_distance_px"] == pytest.approx(6 / 20)
 
 
-def test_variance_kept_by_hand():
+def test_global_variance_ratio_by_hand():
     # True scatter: dimension 1: 2 * 1^2 = 2, dimension 2: 2 * 2^2 = 8. Predicted: half the swing, so a quarter of it,
     # and an offset, which is no variance over time.
     true = np.array([[-1.0, -2.0], [1.0, 2.0]])
-    row = metrics.score("a", faces(true / 2 + 7), faces(true))
+    row = score(faces(true / 2 + 7), faces(true))
     assert row["true_scatter"] == 10
-    assert row["variance_kept"] == pytest.approx(0.25)
+    assert row["gv_ratio"] == pytest.approx(0.25)
 
 
 def test_corpus_figures_are_the_printed_sums():
@@ -102,7 +109,7 @@ def test_corpus_figures_are_the_printed_sums():
     for frames in (3, 11, 6):
         true = random_faces(generator, frames)
         pairs.append((random_faces(generator, frames, true, 0.6), true))
-    table = metrics.score_table(metrics.score(f"u{k}", *pair) for k, pair in enumerate(pairs))
+    table = metrics.score_table(metrics.score(f"u{k}", *pair, 25.0) for k, pair in enumerate(pairs))
 
     frames = 0
     total = dict.fromkeys(("shape", "texture", "appearance", "corr", "lips"), 0.0)
@@ -121,30 +128,30 @@ def test_corpus_figures_are_the_printed_sums():
         assert metrics.corpus_figure(table, f"rmse_{name}") == pytest.approx(total[name] / frames, rel=1e-12)
     assert metrics.corpus_figure(table, "corr") == pytest.approx(total["corr"] / frames, rel=1e-12)
     assert metrics.corpus_figure(table, "lip_distance_px") == pytest.approx(total["lips"] / frames, rel=1e-12)
-    assert metrics.corpus_figure(table, "variance_kept") == pytest.approx(kept / there, rel=1e-12)
+    assert metrics.corpus_figure(table, "gv_ratio") == pytest.approx(kept / there, rel=1e-12)
 
 
 def test_corpus_figure_weighs_frames_and_not_utterances():
     rows = [
-        metrics.score("long", faces(np.zeros((9, 1))), faces(np.zeros((9, 1)))),
-        metrics.score("short", faces([[10.0]]), faces([[0.0]])),
+        metrics.score("long", faces(np.zeros((9, 1))), faces(np.zeros((9, 1))), 25.0),
+        metrics.score("short", faces([[10.0]]), faces([[0.0]]), 25.0),
     ]
     assert metrics.corpus_figure(metrics.score_table(rows), "rmse_appearance") == pytest.approx(1.0)
 
 
 def test_single_frame_has_no_variance_and_takes_no_part_in_it():
     true = np.array([[-1.0, 0.0], [1.0, 0.0]])
-    rows = [metrics.score("a", faces(true), faces(true)), metrics.score("b", faces(true[:1]), faces(true[:1]))]
-    table = metrics.score_table(rows)
-    assert np.isnan(table["variance_kept"][1])
-    assert metrics.corpus_figure(table, "variance_kept") == 1.0
+    pairs = {"a": faces(true), "b": faces(true[:1])}
+    table = metrics.score_table([metrics.score(name, each, each, 25.0) for name, each in pairs.items()])
+    assert np.isnan(metrics.corpus_figure(table[1:], "gv_ratio"))
+    assert metrics.corpus_figure(table, "gv_ratio") == 1.0
 
 
 def test_perfect_prediction():
     true = random_faces(np.random.default_rng(3), 5)
-    row = metrics.score("a", true, true)
+    row = score(true, true)
     assert [row[name] for name in ("rmse_shape", "rmse_texture", "rmse_appearance", "lip_distance_px")] == [0, 0, 0, 0]
-    assert row["corr"] == pytest.approx(1) and row["variance_kept"] == pytest.approx(1)
+    assert row["corr"] == pytest.approx(1) and row["gv_ratio"] == pytest.approx(1)
 
 
 def test_table_survives_storage(tmp_path):
@@ -153,10 +160,10 @@ def test_table_survives_storage(tmp_path):
     generator = np.random.default_rng(4)
     true = random_faces(generator, 4)
     table = metrics.score_table(
-        [metrics.score("007", random_faces(generator, 4), true), metrics.score("006", true, true)]
+        [metrics.score("007", random_faces(generator, 4), true, 25.0), metrics.score("006", true, true, 25.0)]
     )
-    storage.write_table(tmp_path / "metrics.tsv", table)
-    again = storage.read_table(tmp_path / "metrics.tsv")
+    storage.write_table(tmp_path / "statistics.tsv", table)
+    again = storage.read_table(tmp_path / "statistics.tsv")
     assert list(again["id"]) == ["006", "007"]
     for name in metrics.METRICS:
         assert metrics.corpus_figure(again, name) == metrics.corpus_figure(table, name)
@@ -169,18 +176,117 @@ def test_lip_points_follow_equation_1():
 
 def test_lengths_that_differ_are_named():
     with pytest.raises(DataError, match=r"utt.*\(3, 2\).*\(4, 2\)"):
-        metrics.score("utt", faces(np.zeros((3, 2))), faces(np.zeros((4, 2))))
+        metrics.score("utt", faces(np.zeros((3, 2))), faces(np.zeros((4, 2))), 25.0)
     with pytest.raises(DataError, match="shape has 2 frames, appearance 3"):
-        metrics.score("utt", faces(np.zeros((3, 2)), np.zeros((2, 1))), faces(np.zeros((3, 2)), np.zeros((2, 1))))
+        metrics.score("utt", faces(np.zeros((3, 2)), np.zeros((2, 1))), faces(np.zeros((3, 2)), np.zeros((2, 1))), 25.0)
 
 
 def test_what_is_no_number_is_named():
     predicted = np.zeros((3, 2))
     predicted[1, 0] = np.nan
     with pytest.raises(DataError, match="predicted appearance of frame 1"):
-        metrics.score("utt", faces(predicted), faces(np.zeros((3, 2))))
+        metrics.score("utt", faces(predicted), faces(np.zeros((3, 2))), 25.0)
 
 
 def test_unknown_metric_names_the_known_ones():
     with pytest.raises(SettingError, match="rmse_shap.*Known: rmse_shape, rmse_texture"):
         metrics.metric_named("rmse_shap")
+
+
+def old_figure(rows: list[tuple[float, float]]) -> float:
+    """A figure as it was once computed: each utterance's mean, weighted with its frames or its scatter."""
+    value, weight = np.array(rows).T
+    numerator = np.where(weight > 0, np.nan_to_num(value) * weight, 0.0)
+    return float(numerator.sum() / weight.sum())
+
+
+def test_figures_are_the_same_to_the_last_bit_as_means_with_weights():
+    generator = np.random.default_rng(11)
+    trues = [random_faces(generator, frames) for frames in generator.integers(1, 90, 60)]
+    pairs = [(random_faces(generator, len(true.lips), true, 0.7), true) for true in trues]
+    table = metrics.score_table(metrics.score(f"u{k:02d}", *pair, 25.0) for k, pair in enumerate(pairs))
+    frames = [len(true.lips) for _, true in pairs]
+    for name in ("shape", "texture", "appearance"):
+        means = [metrics.frame_rmse(getattr(one, name), getattr(other, name)).mean() for one, other in pairs]
+        assert metrics.corpus_figure(table, f"rmse_{name}") == old_figure(list(zip(means, frames, strict=True)))
+    means = [metrics.frame_correlation(one.appearance, other.appearance).mean() for one, other in pairs]
+    assert metrics.corpus_figure(table, "corr") == old_figure(list(zip(means, frames, strict=True)))
+    means = [metrics.frame_point_distance(one.lips, other.lips).mean() for one, other in pairs]
+    assert metrics.corpus_figure(table, "lip_distance_px") == old_figure(list(zip(means, frames, strict=True)))
+    scatters = [[metrics.scatter_over_time(each.appearance) for each in pair] for pair in pairs]
+    rows = [(kept / there if there > 0 else np.nan, there) for kept, there in scatters]
+    assert metrics.corpus_figure(table, "gv_ratio") == old_figure(rows)
+
+
+def slow_concordance(predicted: np.ndarray, true: np.ndarray) -> float:
+    """Lin's coefficient of each dimension over all frames, from deviations and numpy's correlation; their mean."""
+    found = []
+    for x, y in zip(predicted.T, true.T, strict=True):
+        correlation = np.corrcoef(x, y)[0, 1]
+        found.append(2 * correlation * x.std() * y.std() / (x.var() + y.var() + (x.mean() - y.mean()) ** 2))
+    return float(np.mean(found))
+
+
+def ccc(pairs) -> float:
+    rows = (metrics.score(f"u{k}", faces(one), faces(other), 25.0) for k, (one, other) in enumerate(pairs))
+    return metrics.corpus_figure(metrics.score_table(rows), "ccc")
+
+
+def random_pairs(seed: int, dimensions: int = 11):
+    generator = np.random.default_rng(seed)
+    trues = [generator.normal(size=(frames, dimensions)) + generator.normal(size=dimensions) for frames in (5, 40, 13)]
+    return [(0.6 * true + 0.4 * generator.normal(size=true.shape), true) for true in trues]
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_concordance_agrees_with_a_slow_version(seed):
+    pairs = random_pairs(seed)
+    whole = [np.concatenate(values) for values in zip(*pairs, strict=True)]
+    assert ccc(pairs) == pytest.approx(slow_concordance(*whole), rel=1e-10)
+
+
+def test_concordance_by_hand():
+    # x = (0, 2), y = (1, 3): covariance 1, variances 1 and 1, means 1 apart: 2 / (1 + 1 + 1).
+    assert ccc([([[0.0], [2.0]], [[1.0], [3.0]])]) == pytest.approx(2 / 3)
+
+
+def test_concordance_is_of_the_corpus_and_not_a_mean_over_utterances():
+    pairs = random_pairs(4)
+    whole = [tuple(np.concatenate(values) for values in zip(*pairs, strict=True))]
+    cut = [(one[start : start + 7], other[start : start + 7]) for one, other in whole for start in range(0, 58, 7)]
+    assert ccc(cut) == pytest.approx(ccc(whole), rel=1e-12)
+    assert ccc(whole) != pytest.approx(np.mean([ccc([pair]) for pair in pairs]), rel=1e-3)
+
+
+def test_concordance_does_not_depend_on_offset_scale_and_order():
+    pairs = random_pairs(5)
+    scale, offset = np.linspace(0.1, 30, 11), np.linspace(-100, 100, 11)
+    assert ccc([(scale * one + offset, scale * other + offset) for one, other in pairs]) == pytest.approx(ccc(pairs))
+    assert ccc([(other, one) for one, other in pairs]) == pytest.approx(ccc(pairs))
+    assert ccc([(other, other) for _, other in pairs]) == pytest.approx(1)
+    assert ccc([(-other + 2 * other.mean(axis=0), other) for _, other in pairs[:1]]) == pytest.approx(-1)
+    mean = np.concatenate([other for _, other in pairs]).mean(axis=0)
+    assert ccc([(np.tile(mean, (len(other), 1)), other) for _, other in pairs]) == pytest.approx(0, abs=1e-12)
+
+
+def test_concordance_leaves_out_dimensions_without_any_spread():
+    still = np.full((6, 1), 2.0)
+    true = np.random.default_rng(6).normal(size=(6, 1))
+    both = [(np.hstack([true * 0.5, still]), np.hstack([true, still]))]
+    assert ccc(both) == pytest.approx(ccc([(true * 0.5, true)]))
+    assert np.isnan(ccc([(still, still)]))
+
+
+def test_cost_is_lower_where_a_figure_is_better():
+    better = {"rmse_shape": (0.5, 0.6), "corr": (0.7, 0.6), "ccc": (0.7, 0.6), "gv_ratio": (1.1, 0.8)}
+    for name, (good, bad) in better.items():
+        assert metrics.METRICS[name].cost(good) < metrics.METRICS[name].cost(bad)
+
+
+def test_a_missing_column_is_named():
+    table = metrics.score_table([metrics.score("a", faces(np.eye(3)), faces(np.eye(3)), 25.0)])
+    lacking = table.drop(columns=["true.0", "true.1", "true.2"])
+    assert metrics.is_measured(table, metrics.METRICS["ccc"])
+    assert not metrics.is_measured(lacking, metrics.METRICS["ccc"])
+    with pytest.raises(DataError, match="`true`, which `ccc` needs"):
+        metrics.corpus_figure(lacking, "ccc")

@@ -24,16 +24,18 @@ def curve(epochs: int, seed: int = 0):
 
 
 @pytest.mark.parametrize(
-    "names", [[], ["FBB-128"], [f"{stack}-{nodes}" for stack in ("F", "BB", "FBB") for nodes in (1, 2, 3)]]
+    "panels",
+    [{}, {"": ["FBB-128"]}, {letters: [f"{letters}-{nodes}" for nodes in (1, 2, 3)] for letters in ("F", "BB")}],
 )
-def test_learning_curves(names):
-    image = picture(plots.learning_curves({name: curve(9, seed) for seed, name in enumerate(names)}))
+def test_learning_curves(panels):
+    curves = {title: {name: curve(9, seed) for seed, name in enumerate(names)} for title, names in panels.items()}
+    image = picture(plots.learning_curves(curves))
     assert image.shape[0] > 200 and image.shape[1] > 800
 
 
 def test_curves_of_a_network_that_never_learned():
     lost = pandas.DataFrame({"epoch": [1], "train": [np.nan], "validation": [np.nan]})
-    picture(plots.learning_curves({"F-1": lost, "F-2": curve(1)}))
+    picture(plots.learning_curves({"": {"F-1": lost, "F-2": curve(1)}}))
 
 
 def test_trajectories_show_truth_prediction_and_phones():
@@ -60,7 +62,7 @@ def test_lengths_that_differ_are_named():
 def test_names_are_text_and_no_formulas():
     name = "$\\frac{ _x% & <b> a transcript that goes on and on " + 20 * "and on "
     picture(plots.trajectories(np.zeros((5, 1)), {name[:40]: np.ones((5, 1))}, 25.0, [("$\\x", 0.0, 0.2)], title=name))
-    picture(plots.learning_curves({"$\\frac{-128": curve(3)}))
+    picture(plots.learning_curves({"$\\frac": {"$\\frac{-128": curve(3)}}))
 
 
 def test_mode_pictures():
@@ -76,7 +78,7 @@ def test_mode_pictures():
 def test_same_bytes_whatever_the_user_has_set():
     import matplotlib
 
-    first = plots.learning_curves({"FBB-128": curve(4)})
+    first = plots.learning_curves({"": {"FBB-128": curve(4)}})
     with matplotlib.rc_context({"lines.linewidth": 9, "figure.facecolor": "red", "savefig.dpi": 30}):
-        assert plots.learning_curves({"FBB-128": curve(4)}) == first
+        assert plots.learning_curves({"": {"FBB-128": curve(4)}}) == first
         assert matplotlib.rcParams["lines.linewidth"] == 9  # and the user's settings are left alone

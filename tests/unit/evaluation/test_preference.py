@@ -9,9 +9,11 @@ from visualspeech.evaluation.preference import (
     draw_pairs,
     key_table,
     preference_frame,
-    preference_sheets,
+    preference_tables,
     tally,
 )
+from visualspeech.evaluation.published_results import published
+from visualspeech.storage import read_table, write_table
 
 IDS = [f"u{i:02d}" for i in range(30)]
 MODELS = ("FBB-128", "hmm_mge")
@@ -46,11 +48,13 @@ def test_answers_are_counted_by_the_key():
     assert dict(found.counts) == {"FBB-128": 7, "neutral": 1, "hmm_mge": 0}
     assert (found.listeners, found.pairs) == (2, 4)
     assert found.p == pytest.approx(2 / 2**7) and found.share("FBB-128") == pytest.approx(7 / 8)
-    frame = preference_frame(found, {"deep BLSTM": 0.6, "neutral": 0.1, "HMM": 0.3})
-    assert frame.groupby("source")["share"].sum().to_list() == pytest.approx([1, 1])
-    ours, theirs = preference_sheets(found, {"deep BLSTM": 0.6, "neutral": 0.1, "HMM": 0.3}, "a paper")
-    assert [cell.text for cell in ours.rows[0][1]] == ["87.5%", "12.5%", "0.0%"]
-    assert theirs.facts == (("source", "a paper"),)
+    paper = published("fan2015")
+    assert preference_frame(found, paper).groupby("source")["share"].sum().to_list() == pytest.approx([1, 1])
+    run, printed = preference_tables(found, (("corpus", "demo"),), paper, {"hmm_mge": "MGE-trained HMM"})
+    assert run.columns == ("FBB-128", "neutral", "MGE-trained HMM") and run.facts[0] == ("corpus", "demo")
+    assert [cell.text for cell in run.rows[0].cells] == ["87.5%", "12.5%", "0.0%"]
+    assert [cell.text for cell in printed.rows[0].cells] == ["61.5%", "15.5%", "23.0%"]
+    assert len(preference_tables(found)) == len(set(preference_frame(found)["source"])) == 1
 
 
 def test_the_sheet_is_empty_and_has_no_models():
@@ -63,8 +67,25 @@ def test_mistakes_are_named():
         with pytest.raises(SettingError, match="preference"):
             draw_pairs(IDS, models, count, 1)
     key = key_table(draw_pairs(IDS, MODELS, 4, 3))
-    for wrong in ({"answer": "C", "pair": 1}, {"answer": "A", "pair": 9}, {"answer": "", "pair": 1}):
-        with pytest.raises(DataError, match="cannot be counted"):
-            tally(pandas.DataFrame([{"listener": "x", **wrong}]), key)
-    with pytest.raises(DataError, match="no answer"):
-        tally(pandas.DataFrame(columns=["listener", "pair", "answer"]), key)
+    for wrong in ({"answer": "C", "pair": 1}, {"answer": "A", "pair": 9}):
+        with pytest.raises(DataError, match="answers.tsv: the answer .* cannot be counted"):
+            tally(pandas.DataFrame([{"listener": "x", **wrong}]), key, "answers.tsv")
+    with pytest.raises(DataError, match="answers.tsv holds no answers. Fill in"):
+        tally(pandas.DataFrame(columns=["listener", "pair", "answer"]), key, "answers.tsv")
+
+
+@pytest.mark.parametrize("answered", [0, 3])
+def test_a_sheet_that_is_blank_or_partly_blank(tmp_path, answered):
+    """As it is written for the listener, and read back by the job."""
+    pairs, path = draw_pairs(IDS, MODELS, 5, 3), tmp_path / "answers.tsv"
+    sheet = answer_sheet(pairs)
+    sheet.loc[: answered - 1, ["listener", "answer"]] = ["x", " neutral "]
+    write_table(path, sheet)
+    read = read_table(path, ("listener", "answer"))
+    if not answered:
+        with pytest.raises(DataError, match="answers.tsv holds no answers. Fill in"):
+            tally(read, key_table(pairs), str(path))
+        return
+    found = tally(read, key_table(pairs), str(path))
+    assert (found.counts["neutral"], found.listeners, found.pairs, found.blank) == (3, 1, 3, 2)
+    assert dict(preference_tables(found)[0].facts)["rows without an answer, ignored"] == "2"

@@ -11,7 +11,15 @@ import pytest
 from tests.unit.evaluation.test_tables import made
 from visualspeech.corpora.findings import Finding
 from visualspeech.evaluation import plots
-from visualspeech.evaluation.report import MOST_FINDINGS, Picture, ReportContent, Video, render_report
+from visualspeech.evaluation.forms import to_html
+from visualspeech.evaluation.report import (
+    MOST_FINDINGS,
+    Picture,
+    ReportContent,
+    SystemSection,
+    Video,
+    render_report,
+)
 from visualspeech.evaluation.timings import StageTiming
 
 EVIL = "<script>alert('1')</script><img src=x onerror=alert(2)>\" onclick=\"alert(3)"
@@ -27,7 +35,7 @@ class Page(html.parser.HTMLParser):
 
     def handle_starttag(self, tag, attributes):
         self.tags.append((tag, dict(attributes)))
-        if tag not in ("meta", "img"):
+        if tag not in ("meta", "img", "wbr"):
             self.open.append(tag)
 
     def handle_endtag(self, tag):
@@ -37,21 +45,29 @@ class Page(html.parser.HTMLParser):
         self.text.append(data)
 
 
-def content(text: str = "plain", **changes) -> ReportContent:
+def system(text: str = "plain", name: str = "fan2015", **changes) -> SystemSection:
     picture = Picture(plots.mode_pictures(np.zeros((1, 1, 4, 4, 3), np.uint8)), text)
-    whole = ReportContent(
-        corpus=text,
-        experiment="fan2015",
-        split_hash="0123456789ab",
-        drift="silence",
-        consent=text,
-        utterances={"train": 48, "validation": 6, "test": 6},
-        frames={"train": 3600, "validation": 450, "test": 450},
-        tables=(made(),),
+    whole = SystemSection(
+        name=name,
+        title=f"{name} {text}",
+        facts=(("rate", "25 Hz"), ("drift removal", text)),
+        tables=(to_html(made()[1]),),
         learning_curves=(picture,),
         trajectories=(picture,),
         modes=(picture,),
-        videos=(Video(f"fan2015/videos/{text} #1?.mp4", text, text, text),),
+        videos=(Video(f"{name}/videos/{text} #1?.mp4", text, text, text),),
+    )
+    return replace(whole, **changes)
+
+
+def content(text: str = "plain", **changes) -> ReportContent:
+    whole = ReportContent(
+        corpus=text,
+        split_hash="0123456789ab",
+        systems=(system(text), system(text, "second")),
+        tables=('<figure class="result-table">across</figure>',),
+        consent=text,
+        utterances={"train": 48, "validation": 6, "test": 6},
         findings=(
             Finding(text, "check", "reject", text, text, text),
             Finding("b", "check", "warn", text, text),
@@ -62,31 +78,46 @@ def content(text: str = "plain", **changes) -> ReportContent:
         ),
         settings={"corpus": {"name": text}, text: [1, (2, 3)], "none": None},
         versions={"torch": text},
+        commit=text,
+        date=text,
+        command=text,
     )
     return replace(whole, **changes)
 
 
 def test_every_section_is_there():
     page = Page(render_report(content()))
-    ids = {attributes["id"] for tag, attributes in page.tags if tag == "section"}
-    assert ids == {
-        "results", "videos", "trajectories", "curves", "modes", "recordings", "timings", "settings", "licences",
-    }  # fmt: skip
+    ids = [attributes["id"] for tag, attributes in page.tags if tag == "section"]
+    assert ids == ["across", "system-1", "system-2", "recordings", "timings", "settings", "licences"]
     assert page.open == []
-    linked = {attributes["href"][1:] for tag, attributes in page.tags if tag == "a" and attributes["href"][0] == "#"}
+    linked = [attributes["href"][1:] for tag, attributes in page.tags if tag == "a" and attributes["href"][0] == "#"]
     assert linked == ids
     text = " ".join(" ".join(page.text).split())
-    for shown in (
-        "0123456789ab",
-        "silence",
-        "RMSE(appearance)",
-        "fit_aam",
-        "200",
-        "1 500",
-        "non-commercial",
-        "48",
-    ):
-        assert shown in text
+    for part in ("0123456789ab", "25 Hz", "RMSE(appearance)", "fit_aam", "200", "1 500", "non-commercial", "48"):
+        assert part in text
+
+
+def test_systems_stand_side_by_side():
+    text = render_report(content())
+    sections = text.split("<section ")
+    for name, section in (("fan2015", sections[2]), ("second", sections[3])):
+        assert f"<h2>{name} plain</h2>" in section and f"{name}/videos/plain" in section
+        for part in (
+            "Results",
+            "Videos",
+            "Predicted and recorded trajectories",
+            "Learning curves",
+            "Modes of appearance",
+        ):
+            assert f"<h3>{part}</h3>" in section
+    bare = render_report(content(systems=(SystemSection("bare", "Bare"),), tables=()))
+    assert "<h3>Videos</h3>" not in bare and "No result table was made" in bare and 'id="across"' not in bare
+
+
+def test_commit_date_and_command_are_named_where_known():
+    text = render_report(content(commit="abc1234", date="2024-05-01", command="snakemake all"))
+    assert "commit: abc1234" in text and "date: 2024-05-01" in text and "command: snakemake all" in text
+    assert "commit:" not in render_report(content(commit=""))
 
 
 def test_nothing_comes_from_outside():
@@ -112,13 +143,13 @@ def test_text_of_strangers_stays_text():
 
 @pytest.mark.parametrize("path", ["javascript:alert(1)", "//host/x.mp4", "http://host/x.mp4"])
 def test_a_path_is_a_file_and_no_address(path):
-    page = Page(render_report(content(videos=(Video(path, "a"),))))
+    page = Page(render_report(content(systems=(system(videos=(Video(path, "a"),)),))))
     link = next(attributes["href"] for tag, attributes in page.tags if attributes.get("href", "#")[0] != "#")
     assert not urlsplit(link).scheme and not urlsplit(link).netloc
 
 
 def test_links_to_files_with_odd_names():
-    page = Page(render_report(content(videos=(Video("fan2015/videos/a b#1?.mp4", "a"),))))
+    page = Page(render_report(content(systems=(system(videos=(Video("fan2015/videos/a b#1?.mp4", "a"),)),))))
     assert any(attributes.get("href") == "fan2015/videos/a%20b%231%3F.mp4" for _, attributes in page.tags)
 
 
@@ -128,8 +159,8 @@ def test_missing_consent_warns():
 
 
 def test_empty_content_makes_a_page():
-    text = render_report(ReportContent("demo", "fan2015", "ab"))
-    assert Page(text).open == [] and "No result table was made" in text and "every recording could be used" in text
+    text = render_report(ReportContent("demo", "ab"))
+    assert Page(text).open == [] and "No system was run" in text and "every recording could be used" in text
 
 
 def test_thousands_of_findings_are_cut_and_counted():
@@ -156,13 +187,8 @@ def test_evaluation_does_not_load_torch():
     import sys
 
     code = (
-        "import sys; from visualspeech.evaluation import metrics, plots, report, statistics, table_formats, tables;"
+        "import sys; from visualspeech.evaluation import across_systems, gains, gathering, plots, preference, report;"
+        "from visualspeech.evaluation import tables, topologies;"
         "sys.exit('torch' in sys.modules)"
     )
     assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
-
-
-def test_further_tables_stand_with_the_results():
-    text = render_report(content(sheets=('<figure class="result-table">one</figure>',)))
-    results = text[text.index('id="results"') : text.index("</section>", text.index('id="results"'))]
-    assert '<figure class="result-table">one</figure>' in results

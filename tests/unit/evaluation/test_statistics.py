@@ -4,16 +4,24 @@ import numpy as np
 import pandas
 import pytest
 
+from tests.unit.evaluation import examples
 from visualspeech.errors import DataError, SettingError
 from visualspeech.evaluation import statistics
+from visualspeech.evaluation.metrics import METRICS, concordance, statistics_of
 from visualspeech.evaluation.statistics import BootstrapSettings
 
 SETTINGS = BootstrapSettings(samples=1000, level=0.95, seed=3)
 
 
 def table(values, frames=None):
-    frames = [10] * len(values) if frames is None else frames
-    return pandas.DataFrame({"id": [f"u{i}" for i in range(len(values))], "frames": frames, "rmse_shape": values})
+    frames = np.full(len(values), 10.0) if frames is None else np.asarray(frames, float)
+    sums = {"id": [f"u{i}" for i in range(len(values))], "frames": frames, "rmse_shape_sum": values * frames}
+    return pandas.DataFrame(sums)
+
+
+def sampled(numerator, denominator, drawn):
+    frame = pandas.DataFrame({"rmse_shape_sum": numerator, "frames": denominator})
+    return statistics.sample(frame, METRICS["rmse_shape"], drawn)
 
 
 def test_same_seed_same_draws_and_other_seed_others():
@@ -26,7 +34,7 @@ def test_same_seed_same_draws_and_other_seed_others():
 def test_interval_agrees_with_normal_theory():
     values = np.random.default_rng(5).normal(3.0, 0.5, size=400)
     drawn = statistics.draws(400, BootstrapSettings(4000, 0.95, 0))
-    found = statistics.figure(statistics.sample(values * 10, np.full(400, 10.0), drawn), 0.95)
+    found = statistics.figure(sampled(values * 10, np.full(400, 10.0), drawn), 0.95)
     half = 1.96 * values.std() / np.sqrt(400)
     assert found.value == pytest.approx(values.mean(), rel=1e-12)
     assert found.low == pytest.approx(values.mean() - half, abs=0.08 * half)
@@ -38,14 +46,14 @@ def test_interval_agrees_with_a_slow_version():
     numerator, denominator = generator.uniform(1, 2, 7), generator.uniform(5, 9, 7)
     drawn = statistics.draws(7, SETTINGS)
     slow = sorted(sum(numerator[i] for i in row) / sum(denominator[i] for i in row) for row in drawn)
-    found = statistics.figure(statistics.sample(numerator, denominator, drawn), 0.9)
+    found = statistics.figure(sampled(numerator, denominator, drawn), 0.9)
     assert (found.low, found.high) == pytest.approx(tuple(np.quantile(slow, [0.05, 0.95])), rel=1e-12)
 
 
 def test_blocks_do_not_change_the_result(monkeypatch):
     values, frames = np.random.default_rng(7).uniform(1, 2, (2, 2100))
     drawn = statistics.draws(2100, BootstrapSettings(1100))  # more than one block
-    found = statistics.figure(statistics.sample(values, frames, drawn), 0.95)
+    found = statistics.figure(sampled(values, frames, drawn), 0.95)
     whole = values[drawn].sum(axis=1) / frames[drawn].sum(axis=1)
     assert (found.low, found.high) == tuple(np.quantile(whole, [0.025, 0.975]))
 
@@ -54,46 +62,54 @@ def test_ratio_is_drawn_in_pairs():
     """Twice the base in every utterance: the ratio is 2 in every draw, however much utterances differ."""
     numerator, denominator = np.random.default_rng(8).uniform(1, 9, 30), np.full(30, 10.0)
     drawn = statistics.draws(30, SETTINGS)
-    row, base = (statistics.sample(factor * numerator, denominator, drawn) for factor in (2, 1))
+    row, base = (sampled(factor * numerator, denominator, drawn) for factor in (2, 1))
     found = statistics.relative_figure(row, base, 0.95)
     assert (found.value, found.low, found.high) == pytest.approx((2, 2, 2), rel=1e-12)
 
 
 def test_no_ratio_to_what_may_be_nothing():
     drawn = statistics.draws(30, SETTINGS)
-    around_zero = statistics.sample(np.random.default_rng(9).normal(size=30), np.ones(30), drawn)
-    found = statistics.relative_figure(statistics.sample(np.ones(30), np.ones(30), drawn), around_zero, 0.95)
+    around_zero = sampled(np.random.default_rng(9).normal(size=30), np.ones(30), drawn)
+    found = statistics.relative_figure(sampled(np.ones(30), np.ones(30), drawn), around_zero, 0.95)
     assert np.isnan([found.value, found.low, found.high]).all()
 
 
+def test_concordance_is_sampled_from_its_sums():
+    """The interval of a measure that is no quotient, against a slow version."""
+    found = examples.statistics(np.linspace(1, 2, 9), corr=np.linspace(0.2, 0.9, 9))
+    drawn = statistics.draws(9, BootstrapSettings(200, 0.95, 2))
+    fast = statistics.sample(found, METRICS["ccc"], drawn)
+    rows = statistics_of(found, METRICS["ccc"])
+    np.testing.assert_allclose(fast.samples, [float(concordance(rows[each].sum(axis=0))) for each in drawn], rtol=1e-12)
+
+
 def test_summary_has_a_line_for_each_row_and_metric():
-    tables = {"FBB-128": table([1.0, 2.0], [10, 30]), "training_mean": table([2.0, 4.0], [10, 30])}
-    summary = statistics.summarise(tables, ["rmse_shape"], SETTINGS)
+    rows = examples.measured(
+        (examples.stack("FBB-128", "FBB", 128), table(np.array([1.0, 2.0]), [10, 30])),
+        ("training_mean", table(np.array([2.0, 4.0]), [10, 30])),
+    )
+    summary = statistics.summarise(rows, ["rmse_shape"], SETTINGS)
     assert list(summary["row"]) == ["FBB-128", "training_mean"]
     assert summary["value"][0] == pytest.approx((10 * 1 + 30 * 2) / 40)
     assert list(summary["ratio"]) == pytest.approx([0.5, 1.0])
 
 
 def test_one_utterance_has_an_interval_of_no_width():
-    summary = statistics.summarise({"training_mean": table([2.0])}, ["rmse_shape"], SETTINGS)
+    rows = examples.measured(("training_mean", table(np.array([2.0]))))
+    summary = statistics.summarise(rows, ["rmse_shape"], SETTINGS)
     assert list(summary.loc[0, ["value", "low", "high"]]) == [2.0, 2.0, 2.0]
 
 
-def test_rows_on_different_utterances_are_refused():
-    with pytest.raises(DataError, match="different utterances"):
-        statistics.summarise({"a": table([1.0]), "training_mean": table([1.0, 2.0])}, ["rmse_shape"], SETTINGS)
-    with pytest.raises(DataError, match="different utterances"):
-        statistics.summarise({"a": table([1.0], [9]), "training_mean": table([1.0])}, ["rmse_shape"], SETTINGS)
-
-
 def test_missing_base_row_is_named():
+    rows = examples.measured((examples.stack("F-1", "F", 1), table(np.array([1.0]))))
     with pytest.raises(DataError, match="training_mean"):
-        statistics.summarise({"a": table([1.0])}, ["rmse_shape"], SETTINGS)
+        statistics.summarise(rows, ["rmse_shape"], SETTINGS)
 
 
 def test_nothing_to_evaluate():
+    rows = examples.measured(("training_mean", table(np.array([]))))
     with pytest.raises(DataError, match="no test utterance"):
-        statistics.summarise({"training_mean": table([])}, ["rmse_shape"], SETTINGS)
+        statistics.summarise(rows, ["rmse_shape"], SETTINGS)
 
 
 @pytest.mark.parametrize("wrong", [{"samples": 0}, {"level": 1.0}, {"level": 95}])
@@ -103,13 +119,7 @@ def test_settings_out_of_range(wrong):
 
 
 def test_only_errors_are_shown_as_ratios():
-    import pandas
-
-    columns = {"id": ["a", "b", "c"], "frames": [10, 10, 10], "corr_undefined": 0, "true_scatter": 1.0}
-    table = pandas.DataFrame({**columns, "rmse_shape": [1.0, 1.1, 1.2], "corr": [-0.01, -0.012, -0.011]})
-    settings = statistics.BootstrapSettings(samples=50)
-    summary = statistics.summarise({"training_mean": table, "F-1": table}, ["rmse_shape", "corr"], settings)
-    assert summary.set_index("metric")["ratio"].groupby("metric").first().notna().to_dict() == {
-        "corr": False,
-        "rmse_shape": True,
-    }
+    rows = examples.measured(("training_mean", examples.statistics([1.0, 1.1, 1.2], corr=-0.01)))
+    summary = statistics.summarise(rows, list(METRICS), statistics.BootstrapSettings(samples=50))
+    ratios = summary.set_index("metric")["ratio"].notna()
+    assert set(ratios.index[ratios]) == {"rmse_shape", "rmse_texture", "rmse_appearance", "lip_distance_px"}

@@ -3,7 +3,9 @@
 import math
 import os
 
-from visualspeech.evaluation.timings import StageTiming, read_timings
+import pytest
+
+from visualspeech.evaluation.timings import StageTiming, read_timings, stage_of
 
 HEADER = "s\th:m:s\tmax_rss\tmax_vms\n"
 
@@ -15,17 +17,42 @@ def write(path, text, ended):
 
 
 def test_jobs_of_a_stage_are_added_up(tmp_path):
-    write(tmp_path / "one" / "track" / "0.tsv", HEADER + "2.5\t0:00:02\t100.5\t1\n", 10)
-    write(tmp_path / "one" / "track" / "1.tsv", HEADER + "1.5\t0:00:01\t300\t1\n", 20)
-    write(tmp_path / "two" / "fit.tsv", HEADER + "7\t0:00:07\t-\t-\n", 5)
-    fit, track = read_timings([tmp_path / "one", tmp_path / "two", tmp_path / "missing"], {"track": 1000})
+    folder, other = tmp_path / "benchmarks", tmp_path / "fan2015" / "benchmarks"
+    paths = [folder / "track" / "0.tsv", folder / "track" / "1.tsv", other / "fit.tsv", other / "missing.tsv"]
+    write(paths[0], HEADER + "2.5\t0:00:02\t100.5\t1\n", 10)
+    write(paths[1], HEADER + "1.5\t0:00:01\t300\t1\n", 20)
+    write(paths[2], HEADER + "7\t0:00:07\t-\t-\n", 5)
+    fit, track = read_timings(paths, {"track": 1000})
     assert track == StageTiming("track", 2, 4.0, 2.5, 300.0, 1000)
     assert track.frames_per_second == 250
     assert (fit.stage, fit.seconds) == ("fit", 7.0)  # ended first
     assert math.isnan(fit.memory) and math.isnan(fit.frames_per_second)
 
 
+def test_only_the_files_given_count(tmp_path):
+    paths = [tmp_path / "benchmarks" / "train" / f"{name}.tsv" for name in ("FBB-64", "removed")]
+    for path in paths:
+        write(path, HEADER + "1\t0:00:01\t10\t1\n", 1)
+    (timing,) = read_timings(paths[:1])
+    assert timing.jobs == 1
+
+
+@pytest.mark.parametrize(
+    ("path", "stage"),
+    [
+        ("results/demo/benchmarks/fit_head.tsv", "fit_head"),
+        ("results/demo/benchmarks/track_landmarks/3.tsv", "track_landmarks"),
+        ("results/demo/fan2015/benchmarks/build_features/tri/0.tsv", "build_features"),
+        ("benchmarks/results/demo/benchmarks/fit_head.tsv", "fit_head"),
+        ("elsewhere/fit_head.tsv", "fit_head"),
+    ],
+)
+def test_the_stage_is_in_the_path(path, stage):
+    assert stage_of(path) == stage
+
+
 def test_half_written_tables_are_left_out(tmp_path):
-    for name, text in {"a": "", "b": HEADER, "c": HEADER + "1.0\t0:0", "d": "nonsense\n1\n"}.items():
+    texts = {"a": "", "b": HEADER, "c": HEADER + "1.0\t0:0", "d": "nonsense\n1\n"}
+    for name, text in texts.items():
         write(tmp_path / f"{name}.tsv", text, 1)
-    assert read_timings([tmp_path]) == ()
+    assert read_timings(tmp_path / f"{name}.tsv" for name in texts) == ()

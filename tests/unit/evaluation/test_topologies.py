@@ -1,44 +1,39 @@
 """Table 1: what is marked, what is a ratio to what, and that the published figures are the paper's."""
 
 import numpy as np
-import pandas
 import pytest
 
+from tests.unit.evaluation.examples import hmm, measured, stack, statistics
 from visualspeech.errors import DataError
-from visualspeech.evaluation import sheets as forms
-from visualspeech.evaluation.metrics import METRICS
+from visualspeech.evaluation import forms
 from visualspeech.evaluation.published_results import published
-from visualspeech.evaluation.repetitions import mean_and_deviation, pooled
-from visualspeech.evaluation.topologies import (
-    agreement,
-    is_collapsed,
-    stand_in,
-    topology_frame,
-    topology_sheets,
-)
+from visualspeech.evaluation.topologies import agreement, is_collapsed, stand_in, topology_frame, topology_tables
 
 PAPER = published("fan2015")
+FRAMES = np.arange(10, 15)
 
 
-def measured(rmse, corr, utterances=5):
-    frames = np.arange(10, 10 + utterances)
-    columns = {"id": [f"u{i}" for i in range(utterances)], "frames": frames}
-    for name in METRICS:
-        columns[name] = rmse * (1 + 0.1 * np.arange(utterances))
-    columns |= {"corr": np.full(utterances, corr), "corr_undefined": 0, "true_scatter": 2.0}
-    return pandas.DataFrame(columns)
+def of(rmse, corr):
+    return statistics(rmse * (1 + 0.1 * np.arange(5)), corr, frames=FRAMES)
 
 
-def tables():
-    return {
-        "FBB-128": measured(0.7, 0.75),
-        "FFF-128": measured(0.999, 0.02),
-        "FBB-256": measured(0.72, 0.74),
-        "FBB-128-s2": measured(0.8, 0.70),
-        "FFF-128-s2": measured(0.8, 0.5),
-        "training_mean": measured(1.0, 0.01),
-        "hmm_tied": measured(0.75, 0.7),
-    }
+MEAN = measured(("training_mean", of(1.0, 0.0)))
+
+
+def rows():
+    return measured(
+        (stack("FBB-128", "FBB", 128), of(0.7, 0.75)),
+        (stack("FFF-128", "FFF", 128), of(0.999, 0.02)),
+        (stack("FBB-256", "FBB", 256), of(0.72, 0.74)),
+        (stack("FBB-128-s2", "FBB", 128, 2), of(0.8, 0.70)),
+        (stack("FFF-128-s2", "FFF", 128, 2), of(0.8, 0.5)),
+        ("training_mean", of(1.0, 0.01)),
+        (hmm("hmm_tied", "Tied-state triphone HMM"), of(0.75, 0.7)),
+    )
+
+
+def frame_of(found=None, paper=None):
+    return topology_frame(found or rows(), PAPER.metrics, paper)
 
 
 def cell(frame, source, topology, nodes, metric):
@@ -50,16 +45,16 @@ def cell(frame, source, topology, nodes, metric):
 def test_published_table_is_whole_and_its_best_cell_is_the_papers():
     assert len(PAPER.topologies) == 24 and {nodes for _, nodes in PAPER.topologies} == set(PAPER.nodes)
     assert {stack for stack, _ in PAPER.topologies} == {stack for stack in PAPER.stacks if len(stack) == 3}
-    frame = topology_frame({"training_mean": measured(1.0, 0.0)}, PAPER)
+    frame = frame_of(MEAN, PAPER)
     best = frame[frame["best"]]
     assert set(best["metric"]) == set(PAPER.metrics)
     assert set(zip(best["topology"], best["nodes"], strict=True)) == {("FBB", 128)}
-    assert PAPER.systems["deep BLSTM"] == PAPER.topologies["FBB", 128]
+    assert PAPER.gains[PAPER.best] == PAPER.topologies["FBB", 128]
     assert sum(PAPER.preference.values()) == pytest.approx(1)
 
 
 def test_published_cells_that_collapsed_are_those_without_correlation():
-    frame = topology_frame({"training_mean": measured(1.0, 0.0)}, PAPER)
+    frame = frame_of(MEAN, PAPER)
     flat = {cell for cell, figures in PAPER.topologies.items() if abs(figures["corr"]) < 0.1}
     part = frame[frame["collapsed"] > 0]
     assert set(zip(part["topology"], part["nodes"], strict=True)) == flat and len(flat) == 7
@@ -89,45 +84,39 @@ def test_a_constant_prediction_is_collapsed_and_a_poor_one_is_not():
 
 
 def test_seeds_are_averaged_and_collapsed_ones_counted():
-    frame = topology_frame(tables())
-    row = cell(frame, "ours", "FBB", 128, "rmse_appearance")
+    frame = frame_of()
+    row = cell(frame, "run", "FBB", 128, "rmse_appearance")
     scale = np.average(1 + 0.1 * np.arange(5), weights=np.arange(10, 15))
     assert (row["value"], row["deviation"]) == pytest.approx((0.75 * scale, scale * 0.1 / np.sqrt(2)))
     assert (row["ratio"], row["ratio_deviation"]) == pytest.approx((0.75, 0.1 / np.sqrt(2)))
     assert (row["seeds"], row["collapsed"], row["best"]) == (2, 0, False)
-    assert cell(frame, "ours", "FFF", 128, "corr")["collapsed"] == 1
-    lone = cell(frame, "ours", "FBB", 256, "rmse_shape")
+    assert cell(frame, "run", "FFF", 128, "corr")["collapsed"] == 1
+    lone = cell(frame, "run", "FBB", 256, "rmse_shape")
     assert lone["best"] and np.isnan(lone["deviation"])
-    assert np.isnan(cell(frame, "ours", "FBB", 128, "corr")["ratio"])
+    assert np.isnan(cell(frame, "run", "FBB", 128, "corr")["ratio"])
     assert "hmm_tied" not in set(frame["topology"])
 
 
-def test_pooled_rows_are_means_by_utterance():
-    rows = pooled(tables())
-    assert list(rows) == ["FBB-128", "FFF-128", "FBB-256", "training_mean", "hmm_tied"]
-    np.testing.assert_allclose(rows["FBB-128"]["corr"], 0.725)
-    figure, _ = mean_and_deviation([tables()["FBB-128"], tables()["FBB-128-s2"]], "rmse_shape")
-    assert np.average(rows["FBB-128"]["rmse_shape"], weights=rows["FBB-128"]["frames"]) == pytest.approx(figure)
-    other = tables() | {"FBB-128-s2": measured(1, 1, utterances=4)}
-    with pytest.raises(DataError, match="different utterances"):
-        pooled(other)
-
-
 def test_agreement_is_of_ranks():
-    same = {
-        f"{stack}-{nodes}": measured(f["rmse_appearance"] / 300, 0.5) for (stack, nodes), f in PAPER.topologies.items()
-    }
-    frame = topology_frame(same | {"training_mean": measured(1.0, 0.0)}, PAPER)
+    same = [
+        (stack(f"{letters}-{nodes}", letters, nodes), of(figures["rmse_appearance"] / 300, 0.5))
+        for (letters, nodes), figures in PAPER.topologies.items()
+    ]
+    # The same topologies reversed, in a second group: they do not count.
+    other = [(stack(f"x{i}", "FBB", 128, group="other", cell=f"x{i}"), of(2.0, 0.5)) for i in range(2)]
+    frame = frame_of(measured(*same, *other, ("training_mean", of(1.0, 0.0))), PAPER)
     assert agreement(frame) == (pytest.approx(1.0), 17)
-    assert np.isnan(agreement(topology_frame(tables(), PAPER))[0])
+    assert np.isnan(agreement(frame_of(None, PAPER))[0])
 
 
 def test_layout_is_the_papers_in_every_form():
-    frame = topology_frame(tables(), PAPER)
-    made = topology_sheets(frame, (("corpus", "demo"),), PAPER)
-    assert [sheet.groups for sheet in made[:2]] == [(("128", 4), ("256", 4)), (("128", 3), ("256", 3))]
-    assert [name for name, _ in made[0].rows] == ["FBB", "FFF"]
-    assert [name for name, _ in made[2].rows] == ["BBB", "BBF", "BFB", "BFF", "FBB", "FBF", "FFB", "FFF"]
+    made = topology_tables(frame_of(None, PAPER), rows(), (("corpus", "demo"),), PAPER)
+    assert [table.groups for table in made[:2]] == [(("128", 4), ("256", 4)), (("128", 3), ("256", 3))]
+    assert [row.title for row in made[0].rows] == ["FBB", "FFF"]
+    assert dict(made[0].facts) == {
+        "corpus": "demo", "input blocks": "tri", "nodes of a B layer count": "one direction",
+    }  # fmt: skip
+    assert [row.title for row in made[2].rows] == ["BBB", "BBF", "BFB", "BFF", "FBB", "FBF", "FFB", "FFF"]
     assert made[2].groups == (("128", 4), ("256", 4), ("512", 4))
     text = forms.to_markdown(made)
     assert "**156.502**" in text and "*213.354†*" in text and "0.734" in text
@@ -138,6 +127,22 @@ def test_layout_is_the_papers_in_every_form():
     assert "<em>213.354†</em>" in page and "http" not in page
 
 
+def test_each_group_has_a_table_and_a_best_cell_of_its_own():
+    enriched = stack("FBB-128-enriched", "FBB", 128, group="enriched", reads=("tri", "stress"), cell="FBB-128-enriched")
+    found = measured(*((row, rows().tables[row.name]) for row in rows().rows), (enriched, of(0.6, 0.8)))
+    frame = topology_frame(found, ["rmse_shape", "gv_ratio"])
+    made = topology_tables(frame, found, (("corpus", "demo"),))
+    titles = [table.title for table in made]
+    assert titles == [
+        "Networks by topology and nodes: nets",
+        "Networks by topology and nodes: nets: ratio to the training mean",
+        "Networks by topology and nodes: enriched",
+        "Networks by topology and nodes: enriched: ratio to the training mean",
+    ]
+    assert dict(made[2].facts)["input blocks"] == "tri, stress" and "corpus" not in dict(made[2].facts)
+    assert made[0].rows[0].cells[2].best and made[2].rows[0].cells[0].best
+
+
 def test_the_training_mean_is_asked_for():
     with pytest.raises(DataError, match="training_mean"):
-        topology_frame({"FBB-128": measured(1.0, 0.5)})
+        frame_of(measured((stack("FBB-128", "FBB", 128), of(1.0, 0.5))))

@@ -6,9 +6,11 @@ import pytest
 from tests.paths import grid_root
 from visualspeech.errors import RejectedUtterance, SettingError
 from visualspeech.face import landmarks
+from visualspeech.face.dlib_tracker import DlibTracker
 from visualspeech.face.landmarks import fill_gaps, longest_run, smooth, track
 from visualspeech.face.tracker import LandmarkSettings
 
+RATE = 25.0
 STILL = replace(LandmarkSettings(), smoothing=0.0)
 
 
@@ -22,7 +24,7 @@ def portrait():
 
 @pytest.fixture(scope="module")
 def reference(portrait):
-    return track([portrait] * 3, STILL).points[-1]
+    return track([portrait] * 3, STILL, rate=RATE).points[-1]
 
 
 def moved(picture, x, y, scale=1.0, angle=0.0):
@@ -41,7 +43,7 @@ def frames_of(portrait, count=12):
 def test_points_follow_a_face_that_moves_turns_and_grows(portrait, reference):
     path = [(0.6 * i, -0.35 * i, 1 + 0.006 * i, 0.5 * i) for i in range(30)]
     pictures, maps = zip(*(moved(portrait, *step) for step in path), strict=True)
-    result = track(pictures, STILL)
+    result = track(pictures, STILL, rate=RATE)
     assert result.points.shape == (30, 68, 2) and result.points.dtype == np.float32
     assert result.detected.all() and result.findings == () and (result.width, result.height) == (240, 240)
     expected = np.stack([reference @ matrix[:, :2].T + matrix[:, 2] for matrix in maps])
@@ -52,8 +54,8 @@ def test_points_follow_a_face_that_moves_turns_and_grows(portrait, reference):
 def test_frames_that_are_views_with_padded_rows_give_the_same_points(portrait):
     padded = np.zeros((240, 256, 3), np.uint8)
     padded[:, :240] = portrait
-    one = track([portrait] * 2, STILL).points
-    np.testing.assert_array_equal(track([padded[:, :240]] * 2, STILL).points, one)
+    one = track([portrait] * 2, STILL, rate=RATE).points
+    np.testing.assert_array_equal(track([padded[:, :240]] * 2, STILL, rate=RATE).points, one)
 
 
 def test_a_face_of_any_size_is_found(portrait):
@@ -61,8 +63,8 @@ def test_a_face_of_any_size_is_found(portrait):
 
     for scale in (0.5, 3.0):
         picture = cv2.resize(portrait, None, fx=scale, fy=scale, interpolation=cv2.INTER_AREA)
-        big = track([picture] * 2, STILL)
-        same = track([portrait] * 2, STILL).points[-1] * scale + (scale - 1) / 2
+        big = track([picture] * 2, STILL, rate=RATE)
+        same = track([portrait] * 2, STILL, rate=RATE).points[-1] * scale + (scale - 1) / 2
         assert big.detected.all()
         assert np.linalg.norm(big.points[-1] - same, axis=1).mean() < 2 * max(scale, 1)
 
@@ -70,9 +72,9 @@ def test_a_face_of_any_size_is_found(portrait):
 def test_a_few_frames_without_a_face_are_interpolated_and_flagged(portrait):
     frames = frames_of(portrait, 20)
     blank = np.random.default_rng(0).integers(0, 255, portrait.shape).astype(np.uint8)
-    whole = track(frames, STILL).points
+    whole = track(frames, STILL, rate=RATE).points
     holed = [blank if i in (8, 9) else frame for i, frame in enumerate(frames)]
-    result = track(holed, STILL)
+    result = track(holed, STILL, rate=RATE)
     assert np.flatnonzero(~result.detected).tolist() == [8, 9]
     assert "2 of 20" in result.findings[0]
     np.testing.assert_allclose(result.points[8], whole[7] + (whole[10] - whole[7]) / 3, atol=1.0)
@@ -84,7 +86,7 @@ def test_the_face_is_found_again_elsewhere(portrait):
     left, right = wide.copy(), wide.copy()
     left[:, :240] = portrait
     right[:, 240:] = portrait
-    result = track([left] * 5 + [right] * 5, STILL)
+    result = track([left] * 5 + [right] * 5, STILL, rate=RATE)
     assert result.detected.all()
     shift = result.points[-1] - result.points[4]
     np.testing.assert_allclose(shift.mean(0), [240, 0], atol=1.0)
@@ -93,11 +95,11 @@ def test_the_face_is_found_again_elsewhere(portrait):
 def test_too_few_faces_are_a_reason_to_reject(portrait):
     blank = np.full_like(portrait, 128)
     with pytest.raises(RejectedUtterance, match="no face in any frame"):
-        track([blank] * 5)
+        track([blank] * 5, rate=RATE)
     with pytest.raises(RejectedUtterance, match="no face in 4 of 12"):
-        track(frames_of(portrait, 8) + [blank] * 4)
+        track(frames_of(portrait, 8) + [blank] * 4, rate=RATE)
     with pytest.raises(RejectedUtterance, match="no face for 0.44 s"):
-        track([portrait] * 60 + [blank] * 11, STILL, rate=25.0)
+        track([portrait] * 60 + [blank] * 11, STILL, rate=RATE)
 
 
 def test_of_two_faces_the_larger_is_followed(portrait):
@@ -107,21 +109,21 @@ def test_of_two_faces_the_larger_is_followed(portrait):
     both = np.full((240, 440, 3), 100, np.uint8)
     both[24:216, :192] = small
     both[:, 200:] = portrait
-    result = track([both] * 30, STILL)
+    result = track([both] * 30, STILL, rate=RATE)
     assert result.points[:, :, 0].min() > 200
     assert "2 faces" in result.findings[0]
 
 
 def test_empty_and_changing_recordings_are_rejected(portrait):
     with pytest.raises(RejectedUtterance, match="no video frames"):
-        track([])
+        track([], rate=RATE)
     with pytest.raises(RejectedUtterance, match="size"):
-        track([portrait, portrait[:200]])
+        track([portrait, portrait[:200]], rate=RATE)
 
 
 def test_a_tracker_of_ones_own_takes_the_place_of_dlib(monkeypatch):
     class Corner:
-        def __init__(self, settings):
+        def __init__(self, settings, rate):
             self.count = 0
 
         def next(self, frame):
@@ -133,10 +135,10 @@ def test_a_tracker_of_ones_own_takes_the_place_of_dlib(monkeypatch):
 
     monkeypatch.setitem(landmarks.TRACKERS, "corner", Corner)
     frames = [np.zeros((4, 5, 3), np.uint8)] * 3
-    result = track(frames, replace(STILL, tracker="corner"))
+    result = track(frames, replace(STILL, tracker="corner"), rate=RATE)
     np.testing.assert_array_equal(result.points[:, 0, 0], [1, 2, 3])
     with pytest.raises(SettingError, match="landmarks.tracker"):
-        track(frames, replace(STILL, tracker="nobody"))
+        track(frames, replace(STILL, tracker="nobody"), rate=RATE)
 
 
 def test_gaps_and_runs_against_the_plain_way():
@@ -162,11 +164,38 @@ def test_smoothing_keeps_straight_motion_and_calms_noise():
     np.testing.assert_allclose(smooth(noise, 0.5)[2:-2], plain, atol=1e-9)
 
 
+def test_smoothing_and_detection_mean_the_same_at_any_frame_rate(monkeypatch):
+    """One movement seen at 25 and at 100 frames a second."""
+
+    class Given:
+        def __init__(self, settings, rate):
+            self.points = iter(movement(rate))
+
+        def next(self, frame):
+            return next(self.points)
+
+        def faces(self):
+            return 1
+
+    def movement(rate):
+        times = (np.arange(round(4 * rate)) + 0.5) / rate
+        return np.sin(2 * np.pi * times)[:, None, None] * np.full((1, 68, 2), 50.0)
+
+    monkeypatch.setitem(landmarks.TRACKERS, "given", Given)
+    settings = LandmarkSettings(tracker="given", smoothing=0.2)
+    at = {r: track([np.zeros((4, 5, 3), np.uint8)] * (4 * r), settings, rate=r).points[:, 0, 0] for r in (25, 100)}
+    slow = at[100].reshape(-1, 4).mean(axis=1)
+    np.testing.assert_allclose(at[25][25:-25], slow[25:-25], atol=0.5)
+    assert np.ptp(at[25][25:-25]) < 60  # of 100
+    intervals = [DlibTracker(LandmarkSettings(), rate)._search_every for rate in (25.0, 100.0, 0.1)]
+    assert intervals == [25, 100, 1]
+
+
 @pytest.mark.skipif(grid_root() is None, reason="GRID is not here (set GRID_ROOT)")
 def test_a_grid_recording_is_tracked_steadily():
     from visualspeech.media.reading import read_frames
 
     file = sorted((grid_root() / "s1").glob("*.mpg"))[0]
-    result = track(read_frames(file))
+    result = track(read_frames(file), rate=RATE)
     assert result.points.shape == (75, 68, 2) and result.detected.all()
     assert np.linalg.norm(np.diff(result.points[:, 27:36], 2, axis=0), axis=2).mean() <= 0.5

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from visualspeech.errors import CorpusError
-from visualspeech.face.sampling import other_sizes, picture_size, sample_points
+from visualspeech.face.sampling import frame_size, sample_landmarks, screen_frame_sizes
 from visualspeech.storage import ArrayReader, ArrayWriter
 
 
@@ -23,23 +23,23 @@ def landmarks(tmp_path):
 
 def test_frames_are_spread_over_utterances_of_the_usual_size_and_were_detected(landmarks):
     ids = [f"u{number}" for number in range(6)]
-    points, size = sample_points(landmarks, ids, 10)
-    assert size == (360, 288) == picture_size(landmarks, ids)
+    points, size = sample_landmarks(landmarks, ids, 10)
+    assert size == (360, 288) == frame_size(landmarks, ids)
     assert sorted(set(points[:, 5, 0])) == [0, 1, 2, 3, 4]
     assert np.all(points[:, 0, 0] % 2 == 0)
     assert len(points) == 10
 
 
 def test_fewer_frames_than_utterances(landmarks):
-    points, _ = sample_points(landmarks, [f"u{number}" for number in range(5)], 3)
+    points, _ = sample_landmarks(landmarks, [f"u{number}" for number in range(5)], 3)
     assert len(points) == 3
 
 
-def test_another_picture_size_is_rejected_by_name(landmarks):
-    refused = other_sizes(landmarks, [f"u{number}" for number in range(6)])
+def test_another_frame_size_is_rejected_by_name(landmarks):
+    refused = screen_frame_sizes(landmarks, [f"u{number}" for number in range(6)])
     assert list(refused) == ["u5"] and "99x288" in refused["u5"].reason
 
 
 def test_nothing_to_fit_is_a_sentence(landmarks):
     with pytest.raises(CorpusError, match="no training utterance"):
-        sample_points(landmarks, [], 5)
+        sample_landmarks(landmarks, [], 5)

@@ -30,7 +30,7 @@ def measures(frames):
 
 
 def check(frames):
-    screening.check_pictures(measures(frames), RATE)
+    screening.check_frames(measures(frames), RATE)
 
 
 def test_frames_pass_unchanged():
@@ -45,14 +45,14 @@ def test_good_pictures_are_accepted():
 def test_grey_frames_are_named():
     frames = list(moving_pictures())
     frames[3] = np.full_like(frames[3], 128)
-    with pytest.raises(RejectedUtterance, match="1 frames show nothing"):
+    with pytest.raises(RejectedUtterance, match="1 frames show a single colour"):
         check(frames)
 
 
 def test_frozen_pictures_are_named():
     frames = list(moving_pictures())
     frames[5:20] = [frames[5]] * 15
-    with pytest.raises(RejectedUtterance, match="stands still for 0.56 s"):
+    with pytest.raises(RejectedUtterance, match="frozen for 0.56 s"):
         check(frames)
     frames = list(moving_pictures())
     frames[5:9] = [frames[5]] * 4
@@ -64,7 +64,7 @@ def test_a_jump_is_named_and_a_fast_movement_is_not():
     with pytest.raises(RejectedUtterance, match="jumps at 2.00 s"):
         check(frames)  # the drift starts again at frame 50
     change = np.concatenate([np.ones(20), np.linspace(1, 12, 10), np.linspace(12, 1, 10), np.ones(20)])
-    screening.check_pictures(screening.PictureMeasures(np.full(60, 40.0), change), RATE)
+    screening.check_frames(screening.FrameMeasures(np.full(60, 40.0), change), RATE)
 
 
 def test_isolated_against_the_plain_way():
@@ -89,15 +89,15 @@ def test_landmarks_that_jump_are_named():
 
 def test_one_odd_utterance_stands_out_of_the_corpus():
     errors = {f"u{i:02d}": 0.4 + 0.01 * (i % 5) for i in range(20)}
-    assert screening.screen(errors) == {}
-    refused = screening.screen(errors | {"odd": 0.9})
+    assert screening.screen_rigid_errors(errors) == {}
+    refused = screening.screen_rigid_errors(errors | {"odd": 0.9})
     assert list(refused) == ["odd"] and "0.90 px" in refused["odd"].reason
-    assert screening.screen({"a": 0.1, "b": 5.0}) == {}
+    assert screening.screen_rigid_errors({"a": 0.1, "b": 5.0}) == {}
 
 
 def test_what_the_pictures_lack_is_named_before_the_missing_face(monkeypatch):
     class Blind:
-        def __init__(self, settings):
+        def __init__(self, settings, rate):
             pass
 
         def next(self, frame):
@@ -109,7 +109,17 @@ def test_what_the_pictures_lack_is_named_before_the_missing_face(monkeypatch):
     monkeypatch.setitem(landmarks.TRACKERS, "blind", Blind)
     settings = replace(landmarks.LandmarkSettings(), tracker="blind")
     grey = [np.full((144, 180, 3), 128, np.uint8)] * 10
-    with pytest.raises(RejectedUtterance, match="show nothing"):
+    with pytest.raises(RejectedUtterance, match="show a single colour"):
         screening.track_screened(grey, RATE, settings)
     with pytest.raises(RejectedUtterance, match="no face in any frame"):
         screening.track_screened(moving_pictures(), RATE, settings)
+
+
+def test_blank_frames_are_counted_in_seconds():
+    contrast = np.full(100, 40.0)
+    contrast[50:54] = 0
+    blank = screening.FrameMeasures(contrast, np.ones(100))
+    settings = screening.ScreeningSettings(max_blank_seconds=0.1)
+    screening.check_frames(blank, 100.0, settings)
+    with pytest.raises(RejectedUtterance, match="4 frames show a single colour"):
+        screening.check_frames(blank, 25.0, settings)

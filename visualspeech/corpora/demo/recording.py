@@ -9,7 +9,7 @@ import numpy as np
 
 from visualspeech.corpora.demo.articulation import PARAMETERS
 from visualspeech.corpora.records import Utterance
-from visualspeech.errors import SettingError
+from visualspeech.fields import MAX_SEED, Settings, setting
 from visualspeech.jobs import progress
 from visualspeech.speech.phones import SILENCE
 from visualspeech.storage import ArrayReader, ArrayWriter, write_text
@@ -22,33 +22,21 @@ CONSENT = (
 
 
 @dataclass(frozen=True)
-class DemoSettings:
-    """How the demo corpus is recorded.
+class DemoSettings(Settings):
+    """Recordings of the demo corpus."""
 
-    Parameters
-    ----------
-    seed : of head movement, blinks, light and noise
-    rate : frames a second
-    words_a_minute, pitch : of the voice
-    lead : seconds of quiet noise before and after the speech
-    noise : its standard deviation in steps of 16-bit sound
-    size : how wide the speaker opens the mouth; 1 is the habit
-    """
-
-    seed: int = 1
-    rate: float = 25.0
-    words_a_minute: int = 160
-    pitch: int = 45
-    lead: float = 0.2
-    noise: float = 5.0
-    size: float = 1.0
-
-    def __post_init__(self) -> None:
-        for name, least, most in (("rate", 5, 120), ("lead", 0, 5), ("noise", 0, 1000), ("size", 0, 1.5)):
-            if not least <= getattr(self, name) <= most:
-                raise SettingError(
-                    f"`{name}` of the demo corpus is {getattr(self, name)!r}; give a number from {least} to {most}."
-                )
+    section = "demo"
+    seed: int = setting(1, "Seed of head movement, blinks, light and noise.", minimum=0, maximum=MAX_SEED)
+    rate: float = setting(25.0, "Frame rate of the video in Hz.", minimum=5, maximum=120)
+    rate_wpm: int = setting(160, "Speaking rate in words per minute.", minimum=80, maximum=450)
+    pitch: int = setting(45, "Pitch of the voice, from 0 (low) to 100 (high).", minimum=0, maximum=100)
+    silence: float = setting(
+        0.2, "Silence before and after the speech, filled with quiet noise, in seconds.", minimum=0, maximum=5
+    )
+    noise: float = setting(5.0, "Standard deviation of the background noise, in 16-bit steps.", minimum=0, maximum=1000)
+    articulation: float = setting(
+        1.0, "How wide the speaker opens the mouth, as a multiple of normal speech.", minimum=0, maximum=1.5
+    )
 
 
 @dataclass(frozen=True)
@@ -121,11 +109,11 @@ def record(utterance: Utterance, path: str | Path, settings: DemoSettings | None
     settings = settings or DemoSettings()
     renderer = renderer or Renderer()
     random = np.random.default_rng([settings.seed, zlib.crc32(utterance.id.encode())])
-    speech = synthesise(utterance.transcript, rate_wpm=settings.words_a_minute, pitch=settings.pitch)
+    speech = synthesise(utterance.transcript, rate_wpm=settings.rate_wpm, pitch=settings.pitch)
     samples, phones, words = _padded(speech, settings, random)
     duration = len(samples) / speech.rate
     times = frame_times(frames_in(duration, settings.rate), settings.rate)
-    parameters = articulation.movement(phones, times, settings.size)
+    parameters = articulation.movement(phones, times, settings.articulation)
     moves = motion.draw(times, random)
     points = [image_points(parameters[t], moves, t) for t in range(len(times))]
     write_video(
@@ -152,7 +140,7 @@ def record(utterance: Utterance, path: str | Path, settings: DemoSettings | None
 
 def _padded(speech, settings: DemoSettings, random: np.random.Generator) -> tuple[np.ndarray, tuple, tuple]:
     """The speech with quiet noise around and under it, to a whole number of frames; phones and words in its times."""
-    lead = int(round(settings.lead * speech.rate))
+    lead = int(round(settings.silence * speech.rate))
     frames = int(np.ceil((len(speech.samples) + 2 * lead) / speech.rate * settings.rate))
     total = int(round(frames / settings.rate * speech.rate))
     sound = random.normal(0.0, settings.noise, total)

@@ -4,7 +4,7 @@ Notation of the docstrings: N points, U texture pixels, T frames; s shape vector
 (Eq. 1), t texture (3U,) in grey levels (Eq. 4), a shape, b texture and v appearance parameters.
 
 Weighting. Shapes are pixels and textures are grey levels, so the joint analysis of Eq. 6 depends on how the two are
-weighed. Here it is done on (w a, b)::
+weighted. Here it is done on (w a, b)::
 
     (w a, b) = v P_v,    P_v orthonormal
 
@@ -13,8 +13,7 @@ with ``"none"`` w is 1, the paper's equation as printed. Dividing the first colu
 Eq. 7 and 8 hold as they stand: a = v P_vs, b = v P_vt, s = s_0 + v Q_s, t = t_0 + v Q_t.
 """
 
-import tempfile
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import asdict, dataclass
 from functools import cached_property
 from pathlib import Path
@@ -24,15 +23,16 @@ import numpy as np
 
 from visualspeech.errors import DataError, SettingError
 from visualspeech.face.aam.empca import Rows, em_pca, pca
-from visualspeech.face.aam.points import FREEDOM
-from visualspeech.face.aam.rows import RowFile, choose_frames
-from visualspeech.face.drift import FaceReference, corpus_reference, remove
+from visualspeech.face.coding import CodedFaces
+from visualspeech.face.drift import FaceReference, Faces, remove, remove_shape
+from visualspeech.face.point_sets import PointSet, read_point_set, to_points
 from visualspeech.fields import MAX_SEED, Settings, restored, setting
-from visualspeech.jobs import log, progress
+from visualspeech.jobs import log
 from visualspeech.storage import read_model_of, write_model
 
+KIND = "aam"
 WEIGHTINGS = ("variance", "none")
-_CHUNK = 256  # frames in work at a time
+_CHUNK = 256  # frames encoded at a time
 
 
 MOST_COMPONENTS = 100_000
@@ -114,16 +114,22 @@ class AamSettings(Settings):
             _check_target(name, getattr(self, name))
         self.check_possible(self.images)
 
-    def check_possible(self, images: int) -> None:
-        """Whether so many images can have the components asked for, as far as that is known before the analyses.
+    def check_possible(self, images: int, coordinates: int | None = None) -> None:
+        """Check that so many images can have the components asked for, as far as that is known before the analyses.
+
+        Parameters
+        ----------
+        images : training images
+        coordinates : coordinates that vary independently in a shape (``PointSet.freedom``); None where not known
 
         Raises
         ------
         SettingError
             They cannot.
         """
+        tracked = [] if coordinates is None else [(coordinates, f"{coordinates} tracked coordinates")]
         limits = {
-            "shape": [(FREEDOM, f"{FREEDOM} tracked coordinates"), (images - 1, f"{images} images")],
+            "shape": [*tracked, (images - 1, f"{images} images")],
             "texture": [(images - 1, f"{images} images")],
         }
         # Where an energy decides on the components of shape or texture, no more is known of how many come out.
@@ -167,10 +173,11 @@ class Parameters(NamedTuple):
 
 @dataclass(frozen=True)
 class Aam:
-    """A trained model.
+    """A trained model; a visual coding of the kind ``aam`` (:mod:`visualspeech.face.coding`).
 
     Parameters
     ----------
+    points : the point set, of N points
     shape_mean : (2N,) s_0; shape_components : (Ns, 2N) P_s, orthonormal; shape_variances : (Ns,)
     texture_mean : (3U,) t_0; texture_components : (Nt, 3U) P_t, orthonormal; texture_variances : (Nt,)
     appearance_components : (N, Ns + Nt) P_v, orthonormal, for (w a, b); appearance_variances : (N,)
@@ -180,6 +187,7 @@ class Aam:
     settings : the settings it was trained with
     """
 
+    points: PointSet
     shape_mean: np.ndarray
     shape_components: np.ndarray
     shape_variances: np.ndarray
@@ -197,6 +205,11 @@ class Aam:
     def sizes(self) -> tuple[int, int, int]:
         """Numbers of shape, texture and appearance components (Ns, Nt, N)."""
         return len(self.shape_components), len(self.texture_components), len(self.appearance_components)
+
+    @property
+    def size(self) -> int:
+        """N, the number of appearance parameters per frame."""
+        return len(self.appearance_components)
 
     @property
     def energies(self) -> tuple[float, float, float]:
@@ -234,15 +247,23 @@ class Aam:
         """
         return self._in_chunks(shape, texture, lambda shape, texture: (shape, texture))
 
-    def encode_utterance(self, shape: np.ndarray, texture: np.ndarray, reference: FaceReference) -> Parameters:
-        """Parameters of an utterance as recorded: its drift is removed with its own reference face, then encoded.
+    def encode_faces(self, faces: Faces) -> CodedFaces:
+        """Code an utterance as recorded: its drift is removed with its own reference face, then it is encoded.
+
+        ``details`` are the shape and texture parameters and the residual (:class:`Parameters`), and ``points``, the
+        shape vectors (T, 2N) without drift.
 
         Raises
         ------
         DataError
             As :meth:`encode`.
         """
-        return self._in_chunks(shape, texture, lambda shape, texture: remove(shape, texture, reference, self.drift))
+        own, corpus = faces.reference, self.drift
+        coded = self._in_chunks(faces.shape, faces.texture, lambda *chunk: remove(*chunk, own, corpus))
+        details = {"shape": coded.shape, "texture": coded.texture, "residual": coded.residual}
+        details["points"] = remove_shape(faces.shape, own, corpus)
+        offset = FaceReference(own.shape - corpus.shape, own.texture - corpus.texture)
+        return CodedFaces(coded.appearance, offset, details)
 
     def _in_chunks(self, shape: np.ndarray, texture: np.ndarray, prepare) -> Parameters:
         expected = (len(shape), len(self.shape_mean)), (len(shape), len(self.texture_mean))
@@ -270,6 +291,14 @@ class Aam:
         v = np.asarray(appearance, np.float32)
         return self.shape_mean + v @ self.shape_basis, self.texture_mean + v @ self.texture_basis
 
+    def decode_points(self, appearance: np.ndarray) -> np.ndarray:
+        """Points (T, N, 2) of the normalised face for parameters v (T, N) (Eq. 7), without drift."""
+        return to_points(self.shape_mean + np.asarray(appearance) @ self.shape_basis)
+
+    def decode_texture(self, appearance: np.ndarray) -> np.ndarray:
+        """Textures (T, 3U) for parameters v (T, N) (Eq. 8), float32, without drift and not clipped."""
+        return self.texture_mean + np.asarray(appearance, np.float32) @ self.texture_basis
+
     def shape_parameters(self, appearance: np.ndarray) -> np.ndarray:
         """Shape parameters a (T, Ns) reconstructed from v (T, N): what Eq. 16 compares."""
         return np.asarray(appearance, np.float32) @ self.appearance_to_shape
@@ -279,17 +308,21 @@ class Aam:
         return np.asarray(appearance, np.float32) @ self.appearance_to_texture
 
     def save(self, path: str | Path) -> None:
+        """Write the model as safetensors, with the name of its point set."""
         tensors = {name: np.asarray(getattr(self, name)) for name in _ARRAYS}
         tensors |= {"drift_shape": self.drift.shape, "drift_texture": self.drift.texture}
-        write_model(path, tensors, asdict(self.settings))
+        sizes = dict(zip(("shape", "texture", "appearance"), self.sizes, strict=True))
+        metadata = {"kind": KIND, "points": self.points.name, "sizes": sizes, "settings": asdict(self.settings)}
+        write_model(path, tensors, metadata)
 
     @classmethod
     def load(cls, path: str | Path) -> "Aam":
         """Read what :meth:`save` wrote; raises as :func:`visualspeech.storage.read_model_of`."""
-        tensors, settings = read_model_of(path, "appearance model", [None], _ARRAYS)
+        tensors, stored = read_model_of(path, "appearance model", [KIND], _ARRAYS)
         drift = FaceReference(tensors.pop("drift_shape"), tensors.pop("drift_texture"))
         weight = tensors.pop("shape_weight").item()
-        return cls(drift=drift, shape_weight=weight, settings=restored(AamSettings, settings, path), **tensors)
+        points, settings = read_point_set(stored["points"]), restored(AamSettings, stored["settings"], path)
+        return cls(points=points, drift=drift, shape_weight=weight, settings=settings, **tensors)
 
 
 _ARRAYS = (
@@ -307,7 +340,11 @@ _ARRAYS = (
 
 
 def fit(
-    shapes: np.ndarray, textures: Rows, settings: AamSettings | None = None, drift: FaceReference | None = None
+    shapes: np.ndarray,
+    textures: Rows,
+    points: PointSet,
+    settings: AamSettings | None = None,
+    drift: FaceReference | None = None,
 ) -> Aam:
     """Train an :class:`Aam` on J faces without drift (Eq. 2, 3, 5, 6).
 
@@ -315,16 +352,19 @@ def fit(
     ----------
     shapes : (J, 2N)
     textures : source of J rows of 3U values (:class:`~visualspeech.face.aam.rows.RowFile` or ``ArrayRows``)
+    points : the point set, of N points
     drift : the corpus's reference face, kept with the model; zeros where there is none
 
     Raises
     ------
     DataError
-        The numbers of shapes and textures differ, or they do not vary.
+        The numbers of shapes and textures differ, the shapes have another number of points, or nothing varies.
     SettingError
         More components, or more energy, than the data can give.
     """
     settings = settings or AamSettings()
+    if shapes.shape[1:] != (2 * points.size,):
+        raise DataError(f"expected shape vectors of the {points.size} points of {points.name}, got {shapes.shape}")
     if len(shapes) != textures.shape[0]:
         raise DataError(f"{len(shapes)} training shapes but {textures.shape[0]} training textures")
     s = pca(np.asarray(shapes, np.float64), **settings.shape, what="AAM shape")
@@ -337,6 +377,7 @@ def fit(
     v = pca(np.concatenate([a * weight, b], axis=1).astype(np.float64), **settings.appearance, what="AAM appearance")
     # In the order in which files keep arrays, so that a model gives the same bits before it is saved and after.
     aam = Aam(
+        points=points,
         shape_mean=s.mean,
         shape_components=np.ascontiguousarray(s.components),
         shape_variances=s.eigenvalues,
@@ -358,53 +399,3 @@ def fit(
         weight,
     )
     return aam
-
-
-def fit_utterances(arrays, ids: Sequence[str], settings: AamSettings | None = None, folder: str | None = None) -> Aam:
-    """Train an :class:`Aam` on frames drawn from training utterances, their drift removed.
-
-    Memory does not grow with the number of utterances: the textures drawn are kept in a scratch file (4 bytes a value,
-    1.4 GB for 20,000 x 18,000), which is removed in the end.
-
-    Parameters
-    ----------
-    arrays : :class:`~visualspeech.storage.ArrayReader` or ``ArrayCollection`` with, of each utterance, ``shape``
-        (T, 2N), ``texture`` (T, 3U), ``reference_shape`` (2N,) and ``reference_texture`` (3U,)
-    ids : the training utterances
-    folder : where to put the scratch file; None for the system's
-
-    Raises
-    ------
-    DataError, SettingError
-        As :func:`fit`.
-    StorageError
-        The scratch file does not fit on the disk.
-    """
-    settings = settings or AamSettings()
-    ids = sorted(ids)
-    chosen = choose_frames({name: arrays.length(name, "shape") for name in ids}, settings.images, settings.seed)
-    if not chosen:
-        raise DataError("no training frames: every training utterance was rejected or is empty")
-    settings.check_possible(sum(map(len, chosen.values())))
-    corpus = corpus_reference(reference_face(arrays, name) for name in ids)
-    with tempfile.TemporaryDirectory(prefix="visualspeech-aam-", dir=folder) as scratch:
-        textures = RowFile(Path(scratch) / "textures.f32", len(corpus.texture))
-        shapes = []
-        for name, frames in progress(chosen.items(), len(chosen), "utterances read"):
-            own = reference_face(arrays, name)
-            for start in range(0, int(frames[-1]) + 1, _CHUNK):
-                inside = frames[(frames >= start) & (frames < start + _CHUNK)] - start
-                rows = slice(start, start + _CHUNK)
-                shape = arrays.array(name, "shape", rows)[inside]
-                texture = arrays.array(name, "texture", rows)[inside]
-                shape, texture = remove(shape, texture, own, corpus)
-                shapes.append(shape)
-                textures.append(texture)
-        return fit(np.concatenate(shapes), textures, settings, corpus)
-
-
-def reference_face(arrays, utterance_id: str) -> FaceReference:
-    """The reference face of an utterance, as kept with its textures."""
-    return FaceReference(
-        arrays.array(utterance_id, "reference_shape", ...), arrays.array(utterance_id, "reference_texture", ...)
-    )

@@ -1,27 +1,27 @@
-"""The modes of an AAM as pictures: what one component does to the face."""
+"""The modes of an AAM as images: how one component changes the face."""
 
 import numpy as np
 
 from visualspeech.errors import SettingError
 from visualspeech.face.aam.model import Aam
-from visualspeech.face.aam.points import to_points
 from visualspeech.face.aam.reference import Reference, paint
+from visualspeech.face.point_sets import to_points
 
 KINDS = ("shape", "texture", "appearance")
-_MARGIN = 0.08  # room around the mean face, as a share of its width
+_MARGIN = 0.08  # margin around the mean face, as a share of its width
 
 
 def mode_pictures(
     aam: Aam, reference: Reference, kind: str, mode: int, sd: float = 2.0, width: int = 200, background: int = 255
 ) -> list[np.ndarray]:
-    """Three pictures of a mode: mean - sd standard deviations, mean, mean + sd.
+    """Three images of a mode: mean - sd standard deviations, mean, mean + sd.
 
     Parameters
     ----------
     kind : ``shape`` (with the mean texture), ``texture`` (at the mean shape) or ``appearance`` (both together)
     mode : which component, from 0
     sd : how far from the mean, in standard deviations of the training faces
-    width : width of each picture in pixels
+    width : width of each image in pixels
     background : grey level around the face
 
     Returns

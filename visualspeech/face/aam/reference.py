@@ -1,8 +1,8 @@
 """The reference face: mean shape, mesh, texture grid; textures in and out by piecewise-affine warps (Fan 2015, 3.2).
 
-The texture of a face is read at the pixels inside the mean shape (Eq. 4): each pixel has fixed barycentric coordinates
-in one triangle of the mesh, and so a place in any other face that has the same points. It is read from the recorded
-picture directly, by one interpolation: the warp takes the head pose out as well, triangle by triangle.
+The texture of a face is sampled at the pixels inside the mean shape (Eq. 4): each pixel has fixed barycentric
+coordinates in one triangle of the mesh, and so a position in every other face with the same points. It is sampled from
+the recorded frame directly, by one interpolation: the warp removes the head pose as well, triangle by triangle.
 """
 
 from collections.abc import Iterable
@@ -13,13 +13,12 @@ from pathlib import Path
 import numpy as np
 
 from visualspeech.errors import DataError
-from visualspeech.face.aam.points import INNER_LIPS, LIPS, LOWERED, POINTS, TRIANGLES
+from visualspeech.face.drift import DriftSettings, Faces
+from visualspeech.face.point_sets import PointSet, read_point_set, to_vector
 from visualspeech.fields import Settings, restored, setting
 from visualspeech.storage import read_model_of, write_model
 
-_INNER = range(INNER_LIPS.start, INNER_LIPS.stop)
-_UPPER, _LOWER = INNER_LIPS.start + 2, INNER_LIPS.start + 6  # middle of the upper and of the lower inner lip
-_CORNERS = INNER_LIPS.start, INNER_LIPS.start + 4
+KIND = "texture grid"
 
 
 @dataclass(frozen=True)
@@ -52,15 +51,17 @@ class Reference:
 
     Parameters
     ----------
-    mean_shape : (51, 2) pixels of the normalised face (s_0 of Eq. 2)
-    grid_shape : (51, 2) the mean shape with opened mouth in pixels of the texture grid, (x, y)
+    points : the point set, of N points
+    mean_shape : (N, 2) pixels of the normalised face (s_0 of Eq. 2)
+    grid_shape : (N, 2) the mean shape with opened mouth in pixels of the texture grid, (x, y)
     pixels : (U, 2) int32 row and column of each texture pixel in the grid, row by row
     triangle : (U,) int32 the triangle each pixel lies in
     barycentric : (U, 3) its barycentric coordinates in that triangle
-    nearest : (height, width) int32 the texture pixel nearest to each place of the grid's bounding box
+    nearest : (height, width) int32 the texture pixel nearest to each pixel of the grid's bounding box
     settings : the settings it was made with
     """
 
+    points: PointSet
     mean_shape: np.ndarray
     grid_shape: np.ndarray
     pixels: np.ndarray
@@ -76,33 +77,39 @@ class Reference:
 
     @cached_property
     def weights(self):
-        """Sparse (U, 51): place of each texture pixel = weights @ points."""
+        """Sparse (U, N): position of each texture pixel = weights @ points."""
         from scipy.sparse import csr_array
 
         rows = np.repeat(np.arange(self.size), 3)
-        corners = TRIANGLES[self.triangle].ravel()
-        return csr_array((self.barycentric.ravel(), (rows, corners)), shape=(self.size, POINTS))
+        corners = self.points.triangles[self.triangle].ravel()
+        return csr_array((self.barycentric.ravel(), (rows, corners)), shape=(self.size, self.points.size))
 
     def save(self, path: str | Path) -> None:
-        write_model(path, {name: getattr(self, name) for name in _ARRAYS}, asdict(self.settings))
+        """Write the grid as safetensors, with the name of its point set."""
+        metadata = {"kind": KIND, "points": self.points.name, "settings": asdict(self.settings)}
+        write_model(path, {name: getattr(self, name) for name in _ARRAYS}, metadata)
 
     @classmethod
     def load(cls, path: str | Path) -> "Reference":
         """Read what :meth:`save` wrote; raises as :func:`visualspeech.storage.read_model_of`."""
-        tensors, settings = read_model_of(path, "texture grid", [None], _ARRAYS)
-        return cls(settings=restored(ReferenceSettings, settings, path), **tensors)
+        tensors, stored = read_model_of(path, KIND, [KIND], _ARRAYS)
+        settings = restored(ReferenceSettings, stored["settings"], path)
+        return cls(read_point_set(stored["points"]), **tensors, settings=settings)
 
 
 _ARRAYS = ("mean_shape", "grid_shape", "pixels", "triangle", "barycentric", "nearest")
 
 
-def fit_reference(shapes: Iterable[np.ndarray], settings: ReferenceSettings | None = None) -> Reference:
+def fit_reference(
+    shapes: Iterable[np.ndarray], points: PointSet, settings: ReferenceSettings | None = None
+) -> Reference:
     """Mean shape (Eq. 2) and texture grid.
 
     Parameters
     ----------
-    shapes : (T, 51, 2) arrays of pose-normalised points in pixels, one for instance for each training utterance; read
-        once, memory does not grow with their number
+    shapes : (T, N, 2) arrays of pose-normalised points in pixels, for example one per training utterance; read once,
+        memory does not grow with their number
+    points : the point set, of N points
 
     Raises
     ------
@@ -110,17 +117,17 @@ def fit_reference(shapes: Iterable[np.ndarray], settings: ReferenceSettings | No
         There are no shapes, they have another form, or the mean is no face (a triangle of the mesh is folded over).
     """
     settings = settings or ReferenceSettings()
-    total, count = np.zeros((POINTS, 2)), 0
+    total, count = np.zeros((points.size, 2)), 0
     for chunk in shapes:
-        if chunk.shape[1:] != (POINTS, 2):
-            raise DataError(f"expected shapes (frames, {POINTS}, 2), got {chunk.shape}")
+        if chunk.shape[1:] != (points.size, 2):
+            raise DataError(f"expected shapes (frames, {points.size}, 2), got {chunk.shape}")
         total += chunk.sum(axis=0, dtype=np.float64)
         count += len(chunk)
     if not count:
         raise DataError("no shapes to take a mean of: every training utterance was rejected or empty")
     mean = total / count
-    opened = open_mouth(mean, settings.mouth_opening)
-    areas = _areas(opened)
+    opened = points.open_mouth(mean, settings.mouth_opening)
+    areas = points.areas(opened)
     if not np.all(areas > 0):
         raise DataError(
             "the mean of the landmarks is not a face: "
@@ -129,9 +136,10 @@ def fit_reference(shapes: Iterable[np.ndarray], settings: ReferenceSettings | No
     scale = np.sqrt(settings.texture_pixels / areas.sum())
     grid = (opened - opened.min(axis=0)) * scale + 1
     width, height = np.ceil(grid.max(axis=0)).astype(int) + 2
-    triangle, barycentric = _rasterise(grid, height, width)
+    triangle, barycentric = _rasterise(grid[points.triangles], height, width)
     inside = triangle >= 0
     return Reference(
+        points=points,
         mean_shape=mean,
         grid_shape=grid,
         pixels=np.argwhere(inside).astype(np.int32),
@@ -142,11 +150,18 @@ def fit_reference(shapes: Iterable[np.ndarray], settings: ReferenceSettings | No
     )
 
 
-def open_mouth(shape: np.ndarray, opening: float) -> np.ndarray:
-    """Lower the chin of a shape (51, 2) until the inner mouth is at least ``opening`` of its width high."""
-    width = np.linalg.norm(shape[_CORNERS[1]] - shape[_CORNERS[0]])
-    down = max(0.0, opening * width - (shape[_LOWER, 1] - shape[_UPPER, 1]))
-    return shape + np.stack([np.zeros(POINTS), LOWERED * down], axis=1)
+def fit_reference_of(
+    pose, ids: Iterable[str], points: PointSet, settings: ReferenceSettings | None = None
+) -> Reference:
+    """The mean shape and texture grid of training utterances; raises as :func:`fit_reference`.
+
+    Parameters
+    ----------
+    pose : opened files with ``points`` (T, 68, 2) of each utterance, landmarks in pixels of the normalised face
+    ids : the training utterances
+    points : the point set of the grid
+    """
+    return fit_reference((points.select(pose.array(name, "points")) for name in ids), points, settings)
 
 
 def sample_texture(frame: np.ndarray, image_points: np.ndarray, reference: Reference) -> np.ndarray:
@@ -155,25 +170,25 @@ def sample_texture(frame: np.ndarray, image_points: np.ndarray, reference: Refer
     Parameters
     ----------
     frame : (height, width, 3) uint8 RGB, as recorded
-    image_points : (51, 2) the lower-face points in this frame, pixels; the colour at (x, y) is that of the pixel whose
-        centre is there, between centres it is interpolated linearly, outside the frame the edge is continued
+    image_points : (N, 2) the points in this frame, pixels; the colour at (x, y) is that of the pixel whose centre is
+        there, between centres it is interpolated linearly, outside the frame the edge is continued
     """
     import cv2
 
-    places = (reference.weights @ np.asarray(image_points, np.float64)).astype(np.float32)
-    # Places in one row: OpenCV gives the same numbers as for one column, and sooner.
-    x, y = np.ascontiguousarray(places.T)[:, None]
+    positions = (reference.weights @ np.asarray(image_points, np.float64)).astype(np.float32)
+    # Positions in one row: OpenCV gives the same numbers as for one column, and faster.
+    x, y = np.ascontiguousarray(positions.T)[:, None]
     colours = cv2.remap(frame, x, y, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
     return np.ascontiguousarray(colours[0].T).reshape(-1)
 
 
 def sample_textures(frames: Iterable[np.ndarray], image_points: np.ndarray, reference: Reference) -> np.ndarray:
-    """The textures of an utterance, (T, 3U) uint8: frames in order, image_points (T, 51, 2).
+    """The textures of an utterance, (T, 3U) uint8: frames in order, image_points (T, N, 2).
 
     Raises
     ------
     DataError
-        There are not as many frames as points.
+        The numbers of frames and of faces differ.
     """
     textures = np.empty((len(image_points), 3 * reference.size), np.uint8)
     done = 0
@@ -186,18 +201,47 @@ def sample_textures(frames: Iterable[np.ndarray], image_points: np.ndarray, refe
     return textures
 
 
-def texture_picture(texture: np.ndarray, reference: Reference) -> np.ndarray:
-    """A texture (3U,) as a picture of the grid, (height, width, 3), same type; around the face its edge goes on."""
+def sample_faces(
+    frames: Iterable[np.ndarray],
+    landmarks: np.ndarray,
+    frontal: np.ndarray,
+    reference: Reference,
+    silent: np.ndarray | None = None,
+    drift: DriftSettings | None = None,
+    *,
+    rate: float,
+) -> Faces:
+    """The faces of one utterance at the tracker's points: shapes, textures and the utterance's reference face.
+
+    Parameters
+    ----------
+    frames : T frames of the recording in order, (height, width, 3) uint8 RGB
+    landmarks : (T, 68, 2) in these frames, pixels
+    frontal : (T, 68, 2) the same landmarks in the normalised face, pixels
+    silent : (T,) bool, the frames in which nobody speaks; only the drift method ``silence`` needs it
+    rate : frame rate in Hz
+
+    Raises
+    ------
+    DataError
+        The numbers of frames, landmarks and silent frames differ.
+    """
+    texture = sample_textures(frames, reference.points.select(landmarks), reference)
+    return Faces.of(to_vector(reference.points.select(frontal)), texture, silent, drift, rate=rate)
+
+
+def texture_image(texture: np.ndarray, reference: Reference) -> np.ndarray:
+    """A texture (3U,) as an image of the grid, (height, width, 3), same type; around the face its edge is continued."""
     return texture.reshape(3, -1).T[reference.nearest]
 
 
 def paint(texture: np.ndarray, points: np.ndarray, reference: Reference, canvas: np.ndarray) -> np.ndarray:
-    """The picture with a texture painted at the given points: the inverse of :func:`sample_texture`.
+    """The image with a texture painted at the given points: the inverse of :func:`sample_texture`.
 
     Parameters
     ----------
     texture : (3U,) grey levels, any number type; rounded and clipped to 0..255
-    points : (51, 2) where the points are in the picture
+    points : (N, 2) pixels, where the points are in the image
     canvas : (height, width, 3) uint8; a painted copy is returned
     """
     import cv2
@@ -211,67 +255,58 @@ def render(
 ) -> tuple[np.ndarray, np.ndarray]:
     """Colours (height, width, 3) uint8 and mask (height, width) bool of a texture at the given points.
 
-    Every pixel of the face looks up its place in the texture grid, so there are no holes. A triangle that is folded
-    over (lips pressed past each other) is left out; lips lie over skin, skin over the mouth's inside.
+    Every pixel of the face looks up its position in the texture grid, so there are no holes. A triangle that is folded
+    over (lips pressed past each other) is left out; lips lie over skin, skin over the inside of the mouth.
     """
     import cv2
 
     colours = np.zeros((height, width, 3), np.uint8)
-    index = triangle_map(points, height, width)
+    index = triangle_map(points, reference.points, height, width)
     inside = index >= 0
     rows, columns = np.nonzero(inside)
     if not len(rows):
         return colours, inside
-    maps = _affine_maps(np.asarray(points, np.float64), reference.grid_shape).astype(np.float32)[index[rows, columns]]
-    places = maps[..., 0] * columns[:, None] + maps[..., 1] * rows[:, None] + maps[..., 2]
-    picture = texture_picture(np.asarray(texture, np.float32), reference)
-    x, y = np.ascontiguousarray(places.T, np.float32)[:, None]
-    values = cv2.remap(picture, x, y, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)[0]
+    maps = _affine_maps(np.asarray(points, np.float64), reference).astype(np.float32)[index[rows, columns]]
+    positions = maps[..., 0] * columns[:, None] + maps[..., 1] * rows[:, None] + maps[..., 2]
+    image = texture_image(np.asarray(texture, np.float32), reference)
+    x, y = np.ascontiguousarray(positions.T, np.float32)[:, None]
+    values = cv2.remap(image, x, y, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)[0]
     colours[rows, columns] = np.clip(np.rint(values), 0, 255).astype(np.uint8)
     return colours, inside
 
 
-def triangle_map(points: np.ndarray, height: int, width: int) -> np.ndarray:
-    """Which triangle of the mesh is seen at each pixel, (height, width) int16; -1 outside the face."""
+def triangle_map(points: np.ndarray, point_set: PointSet, height: int, width: int) -> np.ndarray:
+    """Index of the triangle that is seen at each pixel of a face (N, 2), (height, width) int16; -1 outside the face."""
     import cv2
 
     drawn = np.zeros((height, width), np.uint8)
-    corners = np.rint(np.asarray(points, np.float64)[TRIANGLES] * 16).astype(np.int32)
-    folded = _areas(np.asarray(points, np.float64)) <= 0
-    for number in _drawing_order():
+    corners = np.rint(np.asarray(points, np.float64)[point_set.triangles] * 16).astype(np.int32)
+    folded = point_set.areas(np.asarray(points, np.float64)) <= 0
+    for number in point_set.drawing_order:
         if not folded[number]:
             cv2.fillConvexPoly(drawn, corners[number], int(number) + 1, lineType=cv2.LINE_8, shift=4)
     return drawn.astype(np.int16) - 1
 
 
-def _drawing_order() -> np.ndarray:
-    lips = ((TRIANGLES >= LIPS.start) & (TRIANGLES < LIPS.stop)).all(axis=1)
-    mouth = np.isin(TRIANGLES, _INNER).all(axis=1)
-    return np.concatenate([np.nonzero(mouth)[0], np.nonzero(~lips)[0], np.nonzero(lips & ~mouth)[0]])
-
-
-def _areas(points: np.ndarray) -> np.ndarray:
-    """Signed areas of the triangles, positive where a triangle has its proper turn."""
-    a, b, c = np.moveaxis(points[TRIANGLES], 1, 0)
-    ab, ac = b - a, c - a
-    return (ab[:, 0] * ac[:, 1] - ab[:, 1] * ac[:, 0]) / 2
-
-
-def _affine_maps(source: np.ndarray, target: np.ndarray) -> np.ndarray:
-    """Of each triangle the affine map source -> target as (n, 2, 3); of a triangle without area, no use and zero."""
-    corners = np.concatenate([source[TRIANGLES], np.ones((len(TRIANGLES), 3, 1))], axis=2)
-    flat = np.abs(_areas(source)) < 1e-9
+def _affine_maps(face: np.ndarray, reference: Reference) -> np.ndarray:
+    """The affine map (M, 2, 3) of each triangle from a face (N, 2) to the grid; zero for a triangle without area."""
+    triangles = reference.points.triangles
+    corners = np.concatenate([face[triangles], np.ones((len(triangles), 3, 1))], axis=2)
+    flat = np.abs(reference.points.areas(face)) < 1e-9
     corners[flat] = np.eye(3)
-    maps = np.swapaxes(np.linalg.solve(corners, target[TRIANGLES]), 1, 2)
+    maps = np.swapaxes(np.linalg.solve(corners, reference.grid_shape[triangles]), 1, 2)
     maps[flat] = 0
     return maps
 
 
-def _rasterise(points: np.ndarray, height: int, width: int) -> tuple[np.ndarray, np.ndarray]:
-    """Triangle (height, width) int32, -1 outside, and barycentric coordinates (height, width, 3) of each pixel."""
+def _rasterise(triangles: np.ndarray, height: int, width: int) -> tuple[np.ndarray, np.ndarray]:
+    """Index of the triangle, of those with corners (M, 3, 2), that each pixel lies in, and barycentric coordinates.
+
+    (height, width) int32, -1 outside; (height, width, 3).
+    """
     triangle = np.full((height, width), -1, np.int32)
     barycentric = np.zeros((height, width, 3))
-    for number, corners in enumerate(points[TRIANGLES]):
+    for number, corners in enumerate(triangles):
         low = np.maximum(np.floor(corners.min(axis=0)).astype(int), 0)
         high = np.ceil(corners.max(axis=0)).astype(int) + 1
         rows, columns = np.mgrid[low[1] : min(high[1], height), low[0] : min(high[0], width)]

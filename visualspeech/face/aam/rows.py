@@ -12,8 +12,8 @@ class RowFile:
     """Rows (n, d) of float32 in a file of their own; memory holds one chunk of them.
 
     ``append`` while writing, then :meth:`chunks` as often as needed. Plain reads are used and not a memory map, so
-    that pages of the file do not count as memory of the process. The file is scratch: whoever gives the folder removes
-    it (``tempfile.TemporaryDirectory``).
+    that pages of the file do not count as memory of the process. The file is scratch: the caller removes its folder
+    (``tempfile.TemporaryDirectory``).
     """
 
     def __init__(self, path: str | Path, dimension: int) -> None:

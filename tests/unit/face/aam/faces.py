@@ -2,6 +2,10 @@
 
 import numpy as np
 
+from visualspeech.face.point_sets import read_point_set
+
+POINTS = read_point_set("lower_face_51")
+
 
 def generic_face(opening: float = 0.03) -> np.ndarray:
     """68 points (x, y) in the iBUG order, the face 1 wide, symmetric about x = 0; y points down."""

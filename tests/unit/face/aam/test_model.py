@@ -1,15 +1,17 @@
 import numpy as np
 import pytest
 
-from tests.unit.face.aam.faces import moving_faces, smooth_picture
-from visualspeech.errors import DataError, SettingError
-from visualspeech.face.aam.model import Aam, AamSettings, fit, fit_utterances
+from tests.unit.face.aam.faces import POINTS, moving_faces, smooth_picture
+from visualspeech.errors import DataError, SettingError, StorageError
+from visualspeech.face.aam.model import Aam, AamSettings, fit
 from visualspeech.face.aam.modes import mode_pictures
-from visualspeech.face.aam.points import lower_face, to_vector
 from visualspeech.face.aam.reference import ReferenceSettings, fit_reference
 from visualspeech.face.aam.rows import ArrayRows
-from visualspeech.face.drift import FaceReference, reference_of, remove
-from visualspeech.storage import ArrayReader, ArrayWriter
+from visualspeech.face.aam.training import fit_aam
+from visualspeech.face.coding import load_coding, read_coding_header
+from visualspeech.face.drift import Faces, remove
+from visualspeech.face.point_sets import to_points, to_vector
+from visualspeech.storage import ArrayReader, ArrayWriter, write_model
 
 SETTINGS = AamSettings(
     shape={"components": 8}, texture={"components": 12}, appearance={"energy": 0.98}, iterations=20, seed=1
@@ -18,12 +20,12 @@ SETTINGS = AamSettings(
 
 @pytest.fixture(scope="module")
 def faces():
-    return lower_face(moving_faces(300))
+    return POINTS.select(moving_faces(300))
 
 
 @pytest.fixture(scope="module")
 def reference(faces):
-    return fit_reference([faces], ReferenceSettings(texture_pixels=400))
+    return fit_reference([faces], POINTS, ReferenceSettings(texture_pixels=400))
 
 
 @pytest.fixture(scope="module")
@@ -41,7 +43,7 @@ def data(faces, reference):
 
 @pytest.fixture(scope="module")
 def aam(data):
-    return fit(data[0], ArrayRows(data[1]), SETTINGS)
+    return fit(data[0], ArrayRows(data[1]), POINTS, SETTINGS)
 
 
 def test_equations_3_5_6_7_8_written_out(data, aam):
@@ -94,6 +96,7 @@ def test_with_all_joint_components_nothing_is_lost(data):
     whole = fit(
         shapes,
         ArrayRows(textures),
+        POINTS,
         AamSettings(shape={"components": 8}, texture={"components": 12}, appearance={"components": 20}),
     )
     parameters = whole.encode(shapes, textures)
@@ -105,7 +108,7 @@ def test_weighting_balances_shape_and_texture_or_leaves_them(data, aam):
     shapes, textures = data
     weighted = aam.shape_weight**2 * aam.shape_variances.sum()
     assert weighted == pytest.approx(aam.texture_variances.sum(), rel=1e-6)
-    plain = fit(shapes, ArrayRows(textures), AamSettings(shape={"energy": 0.99}, weighting="none"))
+    plain = fit(shapes, ArrayRows(textures), POINTS, AamSettings(shape={"energy": 0.99}, weighting="none"))
     assert plain.shape_weight == 1
 
 
@@ -115,6 +118,7 @@ def test_saved_model_reads_back_the_same(tmp_path, data, aam):
     for one, two in zip(aam.encode(*data), again.encode(*data), strict=True):
         np.testing.assert_array_equal(one, two)
     assert again.settings == aam.settings
+    assert again.points is POINTS
     again.save(tmp_path / "again.safetensors")
     assert (tmp_path / "again.safetensors").read_bytes() == (tmp_path / "aam.safetensors").read_bytes()
 
@@ -127,31 +131,29 @@ def test_training_from_files_draws_frames_and_takes_the_drift_out(tmp_path, data
             rows = slice(50 * number, 50 * number + 50)
             light, seat = 20 * generator.standard_normal(), 5 * generator.standard_normal()
             shape, texture = (shapes[rows] + seat).astype(np.float32), textures[rows] + light
-            own = reference_of(shape, texture)
-            arrays = {"shape": shape, "texture": texture}
-            arrays |= {"reference_shape": own.shape, "reference_texture": own.texture}
-            out.add(f"u{number}", arrays, 25.0)
+            out.add(f"u{number}", Faces.of(shape, texture, rate=25.0).arrays(), 25.0)
     ids = [f"u{number}" for number in range(5)]
     with ArrayReader(tmp_path / "textures.h5") as arrays:
-        one = fit_utterances(arrays, ids, SETTINGS, folder=str(tmp_path))
-        two = fit_utterances(arrays, ids[::-1], SETTINGS, folder=str(tmp_path))
-        few = fit_utterances(arrays, ids, AamSettings(images=40, texture={"components": 5}), folder=str(tmp_path))
-        u5 = arrays["u5"]
+        one = fit_aam(arrays, ids, POINTS, SETTINGS, folder=str(tmp_path))
+        two = fit_aam(arrays, ids[::-1], POINTS, SETTINGS, folder=str(tmp_path))
+        few = fit_aam(arrays, ids, POINTS, AamSettings(images=40, texture={"components": 5}), folder=str(tmp_path))
+        u5 = Faces.read(arrays, "u5")
         with pytest.raises(SettingError, match="aam.texture.components: 250` is more .*: 250 images give 249 at most"):
-            fit_utterances(arrays, ids, AamSettings(texture={"components": 250}), folder=str(tmp_path))
+            fit_aam(arrays, ids, POINTS, AamSettings(texture={"components": 250}), folder=str(tmp_path))
     np.testing.assert_array_equal(one.texture_components, two.texture_components)
     assert len(few.texture_components) == 5
     assert list(tmp_path.iterdir()) == [tmp_path / "textures.h5"]
-    own = FaceReference(u5["reference_shape"], u5["reference_texture"])
-    coded = one.encode_utterance(u5["shape"], u5["texture"], own)
-    plain = one.encode(*remove(u5["shape"], u5["texture"], own, one.drift))
-    np.testing.assert_allclose(coded.appearance, plain.appearance, atol=1e-3)
-    assert coded.residual.mean() < 2
+    coded = one.encode_faces(u5)
+    plain = one.encode(*remove(u5.shape, u5.texture, u5.reference, one.drift))
+    np.testing.assert_allclose(coded.parameters, plain.appearance, atol=1e-3)
+    np.testing.assert_array_equal(coded.details["shape"], plain.shape)
+    assert coded.details["residual"].mean() < 2
+    np.testing.assert_allclose(coded.details["points"] + coded.offset.shape, u5.shape, atol=1e-4)
     movement = textures[:250].reshape(5, 50, -1)
     movement = np.square(movement - movement.mean(axis=1, keepdims=True)).sum(axis=2).mean()
     assert one.totals[1] == pytest.approx(movement, rel=1e-3)  # what is left is movement inside utterances
     with pytest.raises(DataError, match="no training frames"):
-        fit_utterances(arrays, [], SETTINGS)
+        fit_aam(arrays, [], POINTS, SETTINGS)
 
 
 @pytest.mark.parametrize(
@@ -177,7 +179,6 @@ def test_wrong_settings_are_refused_by_name(wrong):
 @pytest.mark.parametrize(
     ("wrong", "said"),
     [
-        ({"shape": {"components": 93}}, "aam.shape.components: 93.*: 92 tracked coordinates give 92"),
         ({"shape": {"components": 50}, "images": 50}, "aam.shape.components: 50.*: 50 images give 49"),
         ({"texture": {"components": 300}, "images": 300}, "aam.texture.components: 300.*: 300 images give 299"),
         ({"appearance": {"components": 20000}}, "aam.appearance.components: 20000.*: 20000 images give 19999"),
@@ -192,15 +193,39 @@ def test_more_modes_than_there_can_be_are_refused_before_any_data(wrong, said):
         AamSettings(**wrong)
 
 
+def test_more_shape_modes_than_coordinates_of_the_point_set_are_refused_before_any_data():
+    with pytest.raises(SettingError, match="aam.shape.components: 93.*: 92 tracked coordinates give 92"):
+        AamSettings(shape={"components": 93}).check_possible(20000, POINTS.freedom)
+
+
+def test_points_and_textures_decode_apart_and_a_coding_is_read_by_its_kind(tmp_path, data, aam):
+    v = aam.encode(*data).appearance
+    shape, texture = aam.decode(v)
+    np.testing.assert_array_equal(aam.decode_points(v), to_points(shape))
+    np.testing.assert_array_equal(aam.decode_texture(v), texture)
+    aam.save(tmp_path / "aam.safetensors")
+    header = read_coding_header(tmp_path / "aam.safetensors")
+    assert header == ("aam", "lower_face_51", dict(zip(("shape", "texture", "appearance"), aam.sizes, strict=True)))
+    coding = load_coding(tmp_path / "aam.safetensors")
+    assert coding.size == aam.sizes[2]
+    np.testing.assert_array_equal(coding.decode_points(v), aam.decode_points(v))
+    for wrong in ({"kind": "head"}, {"kind": "x", "points": "", "sizes": {}}):
+        write_model(tmp_path / "other.safetensors", {}, wrong)
+        with pytest.raises(StorageError, match="visual coding"):
+            load_coding(tmp_path / "other.safetensors")
+
+
 def test_more_modes_than_the_data_has_and_data_that_does_not_fit_are_refused(data, aam):
     shapes, textures = data
     shape = AamSettings(shape={"components": 92})
     with pytest.raises(SettingError, match="20 directions only"):
-        fit(shapes[:21], ArrayRows(textures[:21]), shape)
+        fit(shapes[:21], ArrayRows(textures[:21]), POINTS, shape)
     with pytest.raises(SettingError, match="at most 29"):
-        fit(shapes[:30], ArrayRows(textures[:30]), AamSettings(texture={"components": 30}))
+        fit(shapes[:30], ArrayRows(textures[:30]), POINTS, AamSettings(texture={"components": 30}))
     with pytest.raises(DataError, match="300 training shapes but 299"):
-        fit(shapes, ArrayRows(textures[:-1]))
+        fit(shapes, ArrayRows(textures[:-1]), POINTS)
+    with pytest.raises(DataError, match="51 points of lower_face_51"):
+        fit(shapes[:, 1:], ArrayRows(textures), POINTS)
     with pytest.raises(DataError, match="do not fit this AAM"):
         aam.encode(shapes[:, 1:], textures)
 

@@ -2,20 +2,19 @@ import numpy as np
 import pytest
 from scipy.ndimage import map_coordinates
 
-from tests.unit.face.aam.faces import moving_faces, smooth_picture
+from tests.unit.face.aam.faces import POINTS, moving_faces, smooth_picture
 from visualspeech.errors import DataError, SettingError
 from visualspeech.face.aam import reference as r
-from visualspeech.face.aam.points import INNER_LIPS, TRIANGLES, lower_face
 
 
 @pytest.fixture(scope="module")
 def faces():
-    return lower_face(moving_faces(40))
+    return POINTS.select(moving_faces(40))
 
 
 @pytest.fixture(scope="module")
 def reference(faces):
-    return r.fit_reference([faces[:15], faces[15:]], r.ReferenceSettings(texture_pixels=3000))
+    return r.fit_reference([faces[:15], faces[15:]], POINTS, r.ReferenceSettings(texture_pixels=3000))
 
 
 def test_mean_shape_is_the_mean_of_all_frames(faces, reference):
@@ -33,9 +32,10 @@ def test_grid_has_about_the_pixels_asked_for_and_every_one_has_its_place(referen
 
 def test_closed_mouth_has_pixels_inside(faces):
     closed = faces.mean(axis=0)
-    closed[INNER_LIPS, 1] = closed[INNER_LIPS, 1].mean()
-    reference = r.fit_reference([closed[None]], r.ReferenceSettings(mouth_opening=0.2))
-    inside = np.isin(TRIANGLES, np.arange(INNER_LIPS.start, INNER_LIPS.stop)).all(axis=1)
+    inner = POINTS.regions["inner_lips"]
+    closed[inner, 1] = closed[inner, 1].mean()
+    reference = r.fit_reference([closed[None]], POINTS, r.ReferenceSettings(mouth_opening=0.2))
+    inside = np.isin(POINTS.triangles, inner).all(axis=1)
     assert np.isin(reference.triangle, np.nonzero(inside)[0]).sum() > 60
     np.testing.assert_array_equal(reference.mean_shape, closed)
 
@@ -44,7 +44,7 @@ def test_texture_of_a_frame_is_the_interpolated_picture_at_the_mapped_places(fac
     picture = smooth_picture(180, 200)
     texture = r.sample_texture(picture, faces[3], reference).reshape(3, -1)
     for number in range(0, reference.size, 97):  # the slow, plain way
-        corners = faces[3][TRIANGLES[reference.triangle[number]]]
+        corners = faces[3][POINTS.triangles[reference.triangle[number]]]
         x, y = reference.barycentric[number] @ corners
         for channel in range(3):
             slow = map_coordinates(picture[..., channel].astype(float), [[y], [x]], order=1)[0]
@@ -65,7 +65,7 @@ def test_painting_back_restores_the_picture_without_holes(faces, reference):
     canvas = np.full_like(picture, 255)
     painted = r.paint(texture, faces[5], reference, canvas)
     colours, inside = r.render(texture, faces[5], reference, 180, 200)
-    assert inside.sum() == pytest.approx(r._areas(faces[5]).sum(), rel=0.1)
+    assert inside.sum() == pytest.approx(POINTS.areas(faces[5]).sum(), rel=0.1)
     assert np.abs(painted[inside].astype(float) - picture[inside]).mean() < 1.5
     np.testing.assert_array_equal(painted[~inside], 255)
     np.testing.assert_array_equal(canvas, 255)
@@ -95,16 +95,18 @@ def test_saved_reference_reads_back_the_same(tmp_path, faces, reference):
     np.testing.assert_array_equal(
         r.sample_texture(picture, faces[1], again), r.sample_texture(picture, faces[1], reference)
     )
-    assert again.settings == reference.settings
+    assert again.settings == reference.settings and again.points is POINTS
     again.save(tmp_path / "again.safetensors")
     assert (tmp_path / "again.safetensors").read_bytes() == (tmp_path / "reference.safetensors").read_bytes()
 
 
 def test_what_is_no_face_is_refused(faces):
     with pytest.raises(DataError, match="no shapes"):
-        r.fit_reference([])
+        r.fit_reference([], POINTS)
     with pytest.raises(DataError, match="folded over"):
-        r.fit_reference([faces * [-1, 1]])
+        r.fit_reference([faces * [-1, 1]], POINTS)
+    with pytest.raises(DataError, match="expected shapes"):
+        r.fit_reference([faces[:, 1:]], POINTS)
     with pytest.raises(SettingError, match="texture_pixels"):
         r.ReferenceSettings(texture_pixels=10)
     with pytest.raises(SettingError, match="mouth_opening"):

@@ -1,4 +1,4 @@
-"""Fitting of the appearance model to pictures: where the face is in frames without landmarks, or with coarse ones."""
+"""Fitting of the appearance model to frames without landmarks, or with coarse ones."""
 
 from visualspeech.face.aam.fitting.model import FittingModel, FittingSettings
 from visualspeech.face.aam.fitting.solver import Fit, fit, follow

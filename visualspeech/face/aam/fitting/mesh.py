@@ -1,8 +1,8 @@
 """The piecewise-affine warp of a fitting model: its mesh and pixels, gradients in it, composition of warps.
 
 Everything here is linear and fixed, so that a batch of frames is warped by matrix products. In the grid of a model lies
-a base mesh of N points with U pixels inside. A warp is where the N points are in a picture; a pixel is where its
-barycentric coordinates put it.
+a base mesh of N points with U pixels inside. A warp gives the positions of the N points in an image; the position of a
+pixel follows from its barycentric coordinates.
 """
 
 from dataclasses import dataclass
@@ -22,7 +22,7 @@ class Mesh:
     points : (N, 2) corners of the base mesh in grid pixels, (x, y)
     triangles : (M, 3) indices of corners
     cells : (U, 2) int, row and column of each pixel, in cells of ``spacing`` grid pixels
-    weights : (U, N) float32, the place of each pixel is ``weights @ points``; rows sum to 1
+    weights : (U, N) float32, the position of each pixel is ``weights @ points``; rows sum to 1
     spacing : side of a pixel, in grid pixels
     """
 
@@ -35,14 +35,12 @@ class Mesh:
     @classmethod
     def of_reference(cls, reference) -> "Mesh":
         """The mesh of the texture grid of a :class:`~visualspeech.face.aam.reference.Reference`."""
-        from visualspeech.face.aam.points import TRIANGLES
-
         weights = reference.weights.toarray().astype(np.float32)
-        return cls(reference.grid_shape, TRIANGLES, reference.pixels, weights)
+        return cls(reference.grid_shape, reference.points.triangles, reference.pixels, weights)
 
     @classmethod
     def delaunay(cls, shape: np.ndarray, pixels: int) -> "Mesh":
-        """A mesh of any points: the Delaunay triangulation of a shape (N, 2), with about so many pixels inside."""
+        """A mesh of any points: the Delaunay triangulation of a shape (N, 2), with about that many pixels inside."""
         from scipy.spatial import ConvexHull, Delaunay
 
         scale = np.sqrt(pixels / ConvexHull(shape).volume)
@@ -133,7 +131,7 @@ class Mesh:
 
         Parameters
         ----------
-        warped : (T, N, 2) the corners in each picture
+        warped : (T, N, 2) the corners in each image
         moves : (T, N, 2) displacements of the corners of the base mesh, in grid pixels
 
         Returns

@@ -1,8 +1,8 @@
-"""What fitting needs of an active appearance model, computed once: templates, Jacobians and Hessians of every scale.
+"""Parts of an active appearance model that fitting needs, computed once: templates, Jacobians, Hessians per scale.
 
 Notation: N points, U grid pixels of a scale, K texture modes, n shape modes; i runs over the 4 + n changes of a warp
 (larger, turned, moved along x and y, then the shape modes), k over the texture modes with the mean as k = 0. Textures
-are grey: of three channels the luminance is fitted, which costs a third, and shapes are what fitting is for.
+are grey: of three channels the luminance is fitted, at a third of the cost, for fitting is for the shapes.
 
 The Jacobian of a face with texture parameters c is linear in c (c_0 = 1 stands for the mean)::
 
@@ -10,8 +10,8 @@ The Jacobian of a face with texture parameters c is linear in c (c_0 = 1 stands 
 
 Once all J_ki are projected onto what no texture mode explains, both sides of the normal equations of a frame are
 polynomials in c with fixed coefficients: the right side is linear, the Hessian quadratic. So the variants whose
-Jacobian follows the texture (simultaneous, alternating) make no Jacobian for a frame; they cost one matrix product for
-a batch.
+Jacobian follows the texture (simultaneous, alternating) compute no Jacobian per frame; they cost one matrix product per
+batch.
 """
 
 from dataclasses import dataclass
@@ -21,6 +21,7 @@ import numpy as np
 from visualspeech.errors import DataError
 from visualspeech.face.aam.fitting.mesh import Mesh
 from visualspeech.face.aam.fitting.shapes import ShapeSpace
+from visualspeech.face.point_sets import to_points
 from visualspeech.fields import Settings, setting
 
 VARIANTS = ("alternating", "simultaneous", "project_out")
@@ -143,7 +144,7 @@ class Level:
 
 @dataclass(frozen=True)
 class FittingModel:
-    """An active appearance model made ready for fitting with one group of settings.
+    """An active appearance model prepared for fitting with given settings.
 
     Parameters
     ----------
@@ -213,8 +214,6 @@ class FittingModel:
                 "they are not of one run"
             )
         settings = settings or FittingSettings()
-        from visualspeech.face.aam.points import to_points
-
         modes = grey(aam.texture_components[: settings.texture_modes])
         left = max(float(aam.totals[1] - aam.texture_variances[: settings.texture_modes].sum()), 0)
         shape = to_points(aam.shape_mean), to_points(aam.shape_components), aam.shape_variances

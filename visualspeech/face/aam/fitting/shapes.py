@@ -1,4 +1,4 @@
-"""Shapes under a global similarity: s = R (s_0 + P p) + t, and their smallest changes.
+"""Shapes under a global similarity: s = R (s_0 + P p) + t, and their infinitesimal changes.
 
 With P orthogonal to the four shapes that a similarity makes of s_0 (larger, turned, moved along x and y), similarity
 and shape separate: both have a closed form for any given points (Matthews and Baker 2004, section 4.3).
@@ -59,14 +59,14 @@ class ShapeSpace:
     def parameters(self, points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Similarity (T, 4) and shape parameters (T, n) of points (T, N, 2), by least squares.
 
-        The similarity is (a, b, x, y): R = [[a, -b], [b, a]], and t = (x, y) is where the mean's middle comes to lie.
+        The similarity is (a, b, x, y): R = [[a, -b], [b, a]], and t = (x, y) is the position of the mean's middle.
         """
         size = np.linalg.norm(self.mean)
-        place = points.mean(axis=1)
+        middle = points.mean(axis=1)
         pair = np.einsum("tni,kni->tk", points, self.similarities[:2]) / size
-        turned = _turn(points - place[:, None], pair * [1, -1]) / np.square(pair).sum(axis=1)[:, None, None]
+        turned = _turn(points - middle[:, None], pair * [1, -1]) / np.square(pair).sum(axis=1)[:, None, None]
         shape = np.einsum("tni,kni->tk", turned - self.mean, self.modes)
-        return np.concatenate([pair, place], axis=1), shape
+        return np.concatenate([pair, middle], axis=1), shape
 
     def points(self, similarity: np.ndarray, shape: np.ndarray) -> np.ndarray:
         """The points (T, N, 2) of similarity (T, 4) and shape parameters (T, n)."""
@@ -83,7 +83,7 @@ def _turn(points: np.ndarray, pair: np.ndarray) -> np.ndarray:
 def _similarities(centred: np.ndarray) -> np.ndarray:
     size = np.linalg.norm(centred)
     if not size > 0:
-        raise DataError("all points of the mean shape lie in one place; there is no face to fit")
+        raise DataError("all points of the mean shape coincide; there is no face to fit")
     along = np.full(len(centred), 1 / np.sqrt(len(centred)))
     still = np.zeros(len(centred))
     return np.stack(

@@ -1,9 +1,9 @@
 """Inverse-compositional fitting of many frames at once (Matthews and Baker 2004; Papandreou and Maragos 2008).
 
-In each step the pictures are read at the warped pixels, what texture modes explain is set aside, and the small warp
-that makes the *model* most like what was read is computed; its inverse is put before the warp of the picture. The
-Jacobian belongs to the model and not to the picture, so it does not change. All frames of a batch go together; those
-that have settled leave it.
+In each step the images are sampled at the warped pixels, what the texture modes explain is projected out, and the small
+warp that brings the *model* closest to the samples is computed; its inverse is composed with the warp of the image. The
+Jacobian belongs to the model and not to the image, so it does not change. The frames of a batch are fitted together;
+those that have converged leave it.
 """
 
 from collections.abc import Iterable, Sequence
@@ -19,7 +19,7 @@ _STRIP = 16384  # pixels that cv2.remap is given at a time; it takes no more tha
 
 
 class View(Protocol):
-    """How the shapes of a model are seen in the pictures, where a similarity does not say it all."""
+    """The map between the shapes of a model and the images, where it is more than a similarity."""
 
     def to_model(self, points: np.ndarray, frames: np.ndarray) -> np.ndarray:
         """Image points (t, N, 2) of some frames (t,) in the units of the model's shapes."""
@@ -64,10 +64,10 @@ def fit(
 
     Parameters
     ----------
-    frames : T grey pictures (height, width), uint8 or float32, all of one size
-    start : (T, N, 2) points to start from, image pixels (landmarks of a tracker, say)
-    view : between image and model; by default a similarity is all there is between them
-    offset : (U,) grey levels of the finest grid that these pictures are lighter than the model's, None for none
+    frames : T grey images (height, width), uint8 or float32, all of one size
+    start : (T, N, 2) points to start from, image pixels (for example landmarks of a tracker)
+    view : the map between image and model; by default a similarity
+    offset : (U,) grey levels by which these images are lighter than the model, on the finest grid; None for none
 
     Raises
     ------
@@ -112,7 +112,7 @@ def follow(
 
 
 def joined(parts: Iterable[Fit]) -> Fit:
-    """Fits of stretches of frames as one.
+    """Fits of consecutive batches of frames as one.
 
     Raises
     ------
@@ -136,12 +136,12 @@ def _fit_batch(frames, start, numbers, model: FittingModel, view, offset) -> Fit
     finest = model.levels[-1]
     for level in model.levels:
         reduction = max(1, int(level.mesh.spacing * shrink))
-        pictures = [_reduced(frame, reduction) for frame in frames]
+        images = [_reduced(frame, reduction) for frame in frames]
         base = level.mean if offset is None else level.mean + level.averaging @ offset
         texture = None
         active = np.arange(len(frames))
         for _ in range(settings.iterations):
-            left = _read(pictures, points, active, level, reduction) - base
+            left = _read(images, points, active, level, reduction) - base
             known = None if texture is None else texture[active]
             change, known = _step(left, level, model, shape[active], known)
             if known is not None:
@@ -162,7 +162,7 @@ def _fit_batch(frames, start, numbers, model: FittingModel, view, offset) -> Fit
             if not len(active):
                 break
     everything = np.arange(len(frames))
-    both = [_read(pictures, where, everything, finest, reduction) - base for where in (points, start)]
+    both = [_read(images, where, everything, finest, reduction) - base for where in (points, start)]
     texture, error = _explained(both[0], finest)
     start_error = _explained(both[1], finest)[1]
     diverged = lost | _diverged(points, start, error, start_error, model)
@@ -207,18 +207,18 @@ def _step(left: np.ndarray, level: Level, model: FittingModel, shape: np.ndarray
     return change, explained - taken
 
 
-def _read(pictures, points: np.ndarray, active: np.ndarray, level: Level, reduction: int) -> np.ndarray:
-    """Grey levels (t, U) of the active frames' pictures at the warped pixels of a level."""
+def _read(images, points: np.ndarray, active: np.ndarray, level: Level, reduction: int) -> np.ndarray:
+    """Grey levels (t, U) of the active images at the warped pixels of a level."""
     import cv2
 
     corners = (points[active] + 0.5) / reduction - 0.5
     flat = np.ascontiguousarray(corners.transpose(0, 2, 1), np.float32).reshape(-1, corners.shape[1])
-    places = (flat @ level.mesh.weights.T).reshape(len(active), 2, -1)
-    values = np.empty((len(active), places.shape[2]), np.float32)
+    positions = (flat @ level.mesh.weights.T).reshape(len(active), 2, -1)
+    values = np.empty((len(active), positions.shape[2]), np.float32)
     for row, number in enumerate(active):
-        for first in range(0, places.shape[2], _STRIP):
-            x, y = places[row, :, None, first : first + _STRIP]
-            part = cv2.remap(pictures[number], x, y, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
+        for first in range(0, positions.shape[2], _STRIP):
+            x, y = positions[row, :, None, first : first + _STRIP]
+            part = cv2.remap(images[number], x, y, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
             values[row, first : first + _STRIP] = part[0]
     return values
 

@@ -4,13 +4,13 @@ from functools import cache
 
 import numpy as np
 
-from tests.unit.face.aam.faces import moving_faces, smooth_picture
+from tests.unit.face.aam.faces import POINTS, moving_faces, smooth_picture
 from visualspeech.face.aam.empca import pca
 from visualspeech.face.aam.fitting import FittingModel, FittingSettings
 from visualspeech.face.aam.fitting.mesh import Mesh
 from visualspeech.face.aam.fitting.model import grey
-from visualspeech.face.aam.points import LIPS, TRIANGLES, lower_face, to_points, to_vector
 from visualspeech.face.aam.reference import ReferenceSettings, fit_reference, paint
+from visualspeech.face.point_sets import to_points, to_vector
 
 MODES = 4
 
@@ -18,12 +18,12 @@ MODES = 4
 @cache
 def parts():
     """Reference, shape analysis, mean texture (3U,) and texture modes (MODES, 3U) of 6 grey levels each."""
-    shapes = lower_face(moving_faces(120, seed=3))
-    reference = fit_reference([shapes], ReferenceSettings(texture_pixels=2500))
+    shapes = POINTS.select(moving_faces(120, seed=3))
+    reference = fit_reference([shapes], POINTS, ReferenceSettings(texture_pixels=2500))
     analysis = pca(to_vector(shapes), components=6)
     x, y = reference.pixels[:, 1], reference.pixels[:, 0]
     mean = 128 + 50 * np.sin(0.13 * x + 0.05 * y) + 30 * np.cos(0.15 * y - 0.06 * x)
-    mouth = (TRIANGLES >= LIPS.start) & (TRIANGLES < LIPS.stop)
+    mouth = np.isin(POINTS.triangles, POINTS.regions["lips"])
     mean -= 40 * mouth.all(axis=1)[reference.triangle]
     modes = [6 * np.sin(0.09 * (k + 1) * x + 0.07 * (MODES - k) * y + k) for k in range(MODES)]
     return reference, analysis, np.tile(mean, 3), np.tile(np.array(modes), (1, 3))

@@ -3,7 +3,7 @@ import pytest
 
 from visualspeech.errors import DataError
 from visualspeech.face.aam.fitting.shapes import ShapeSpace
-from visualspeech.face.aam.points import to_points
+from visualspeech.face.point_sets import to_points
 
 from .scene import parts
 
@@ -49,5 +49,5 @@ def test_similarity_in_the_components_is_taken_out():
 
 
 def test_a_face_in_one_place_is_refused():
-    with pytest.raises(DataError, match="one place"):
+    with pytest.raises(DataError, match="coincide"):
         ShapeSpace.of(np.ones((5, 2)), np.ones((1, 5, 2)), np.ones(1))

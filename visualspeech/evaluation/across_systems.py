@@ -1,0 +1,143 @@
+"""The systems of one corpus side by side, in the measures that mean the same in each of them."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from visualspeech.errors import DataError
+from visualspeech.evaluation.facts import TableFacts
+from visualspeech.evaluation.layout import Cell, Row, Table, best_of, definitions_of, interval, shown
+from visualspeech.evaluation.measured import MeasuredRows, check_same_utterances
+from visualspeech.evaluation.metrics import METRICS, Metric, is_measured
+from visualspeech.evaluation.statistics import (
+    NO_FIGURE,
+    BootstrapSettings,
+    Figure,
+    draws,
+    figure,
+    relative_figure,
+    sample,
+)
+
+#: Measures and whether they are shown as figures or as ratios to the training mean of the row's own system. Errors of
+#: parameters are in units of the system's coding: only their ratios can be compared.
+COLUMNS = (("lip_distance_px", "value"), ("rmse_appearance", "ratio"), ("corr", "value"), ("gv_ratio", "value"))
+FRAME_COLUMNS = ("system", "row", "metric", "part", "value", "low", "high")
+
+
+@dataclass(frozen=True)
+class SystemRows:
+    """The rows of one system.
+
+    Parameters
+    ----------
+    title : of the system
+    facts : what its figures were computed on
+    measured : its rows, with its training mean
+    """
+
+    title: str
+    facts: TableFacts
+    measured: MeasuredRows
+
+
+def systems_frame(systems: Sequence[SystemRows], bootstrap: BootstrapSettings):
+    """Figures of all systems as a data frame: ``system row metric part value low high``, one line per row and column.
+
+    The truth of a figure is what the row's own system recorded at its own frame rate. Repetitions of a model are one
+    row. A measure that a system's statistics lack is NaN.
+
+    Raises
+    ------
+    DataError
+        The systems were evaluated on different utterances, or a training mean is missing.
+    """
+    import pandas
+
+    _check(systems)
+    lines = []
+    for system in systems:
+        measured = system.measured.pooled()
+        base, drawn = measured.tables[measured.base.name], draws(measured.utterances, bootstrap)
+        for row, table in measured.tables.items():
+            for name, part in COLUMNS:
+                found = _figure(table, base if part == "ratio" else None, METRICS[name], drawn, bootstrap)
+                lines.append((system.facts.system, row, name, part, found.value, found.low, found.high))
+    return pandas.DataFrame(lines, columns=list(FRAME_COLUMNS))
+
+
+def _check(systems: Sequence[SystemRows]) -> None:
+    names = [system.facts.system for system in systems]
+    if len(set(names)) != len(names):
+        raise DataError(f"two systems of one table have one name: {', '.join(names)}. Rename one of them.")
+    tables = {name: next(iter(system.measured.tables.values())) for name, system in zip(names, systems, strict=True)}
+    check_same_utterances(tables, frames=False)
+
+
+def _figure(table, base, metric: Metric, drawn: np.ndarray, bootstrap: BootstrapSettings) -> Figure:
+    if not is_measured(table, metric):
+        return NO_FIGURE
+    own = sample(table, metric, drawn)
+    if base is None:
+        return figure(own, bootstrap.level)
+    return relative_figure(own, sample(base, metric, drawn), bootstrap.level)
+
+
+def systems_tables(frame, systems: Sequence[SystemRows], bootstrap: BootstrapSettings, digits: int = 3) -> tuple[Table]:
+    """The table across systems, their rows below a heading of each.
+
+    Parameters
+    ----------
+    frame, systems, bootstrap : as made by and given to :func:`systems_frame`
+    """
+    text = {
+        (line.system, line.row, line.metric): tuple(shown(v, digits) for v in (line.value, line.low, line.high))
+        for line in frame.itertuples()
+    }
+    measured = [(system, system.measured.pooled()) for system in systems]
+    best = _best(text, measured)
+    rows = []
+    for system, pooled in measured:
+        rows.append(Row(_heading(system)))
+        for row in pooled.rows:
+            keys = [(system.facts.system, row.name, name) for name, _ in COLUMNS]
+            cells = (Cell(text[key][0], interval(*text[key][1:]), best=key in best) for key in keys)
+            rows.append(Row(row.title, tuple(cells), row.role))
+    first = systems[0].facts
+    facts = (
+        ("corpus", first.corpus),
+        ("split", first.split_hash),
+        ("systems", ", ".join(system.title for system in systems)),
+        ("test utterances", str(systems[0].measured.utterances)),
+        ("intervals", bootstrap.text),
+        ("visualspeech", first.version),
+    )
+    metrics = [METRICS[name] for name, _ in COLUMNS]
+    headings = (f"{metric.title} / training mean ↓" if part == "ratio" else metric.heading for metric, (_, part) in
+                zip(metrics, COLUMNS, strict=True))  # fmt: skip
+    notes = (
+        "The best value in each column is bold; floors are left out.",
+        "The truth of each system is the recorded face at its own frame rate and in its own visual coding.",
+    )
+    title = "Systems on one corpus"
+    return (Table(title, tuple(headings), tuple(rows), facts=facts, notes=notes, definitions=definitions_of(metrics)),)
+
+
+def _best(text, measured) -> set[tuple[str, str, str]]:
+    """Keys of the best cells of all systems together."""
+    rows = [
+        (system.facts.system, row.name) for system, pooled in measured for row in pooled.rows if row.role != "floor"
+    ]
+    return {
+        key
+        for name, _ in COLUMNS
+        for key in best_of(METRICS[name], {(*row, name): text[(*row, name)][0] for row in rows})
+    }
+
+
+def _heading(system: SystemRows) -> str:
+    facts = system.facts
+    seeds = f"{'seeds' if len(facts.seeds) > 1 else 'seed'} {', '.join(map(str, facts.seeds))}"
+    parts = (facts.rate_text, facts.coding_text, f"drift removal {facts.drift}" if facts.drift else "", seeds)
+    return f"{system.title}: {'; '.join(part for part in parts if part)}"

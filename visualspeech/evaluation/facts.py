@@ -1,0 +1,97 @@
+"""What the figures of a table were computed on: the header of every table."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+from visualspeech import __version__
+from visualspeech.evaluation.measured import MeasuredRows
+from visualspeech.provenance import split_hash
+
+#: Parts of an appearance model in the order in which papers give their sizes.
+_PARTS = ("shape", "texture", "appearance")
+_COMPONENTS = "_components"
+
+
+@dataclass(frozen=True)
+class TableFacts:
+    """What a table was computed on; the commit is left out, so that a table does not go stale with every commit.
+
+    Parameters
+    ----------
+    corpus, system : names
+    split_hash : from :func:`visualspeech.provenance.split_hash`
+    rate : frame rates of the test utterances in Hz, mostly a single one
+    coding : name of the visual coding
+    coding_sizes : its numbers of components, for example ``66 shape, 100 texture, 87 appearance``
+    drift : method of drift removal, ``none`` where there is none
+    seeds : of the models
+    version : of this program
+    """
+
+    corpus: str
+    system: str
+    split_hash: str
+    rate: tuple[float, ...]
+    coding: str
+    coding_sizes: str
+    drift: str
+    seeds: tuple[int, ...]
+    version: str = __version__
+
+    @classmethod
+    def of(
+        cls,
+        given: Mapping[str, str],
+        split: Mapping[str, str],
+        shapes: Mapping[str, Sequence[int]],
+        measured: MeasuredRows,
+    ) -> "TableFacts":
+        """Facts of measured rows.
+
+        Parameters
+        ----------
+        given : ``corpus``, ``system``, ``coding``, ``drift``
+        split : utterance -> split
+        shapes : shapes of the arrays of the coding's model (:func:`visualspeech.storage.read_shapes`)
+        """
+        return cls(
+            **given,
+            split_hash=split_hash(split),
+            rate=measured.rates,
+            coding_sizes=coding_sizes(shapes),
+            seeds=measured.seeds,
+        )
+
+    def lines(self, measured: MeasuredRows) -> tuple[tuple[str, str], ...]:
+        """The facts as (name, text) pairs, with the number of test utterances and frames."""
+        lines = (
+            ("corpus", self.corpus),
+            ("system", self.system),
+            ("split", self.split_hash),
+            ("rate", self.rate_text),
+            ("visual coding", self.coding_text),
+            ("drift removal", self.drift),
+            ("seeds", ", ".join(map(str, self.seeds))),
+            ("test utterances", str(measured.utterances)),
+            ("test frames", str(measured.frames)),
+            ("visualspeech", self.version),
+        )
+        return tuple((name, text) for name, text in lines if text)
+
+    @property
+    def rate_text(self) -> str:
+        """The frame rate with its unit, or the lowest and the highest of several."""
+        ends = dict.fromkeys((*self.rate[:1], *self.rate[-1:]))
+        return "–".join(f"{rate:g}" for rate in ends) + " Hz" if ends else ""
+
+    @property
+    def coding_text(self) -> str:
+        """Name and sizes of the coding."""
+        return f"{self.coding} ({self.coding_sizes})" if self.coding_sizes else self.coding
+
+
+def coding_sizes(shapes: Mapping[str, Sequence[int]]) -> str:
+    """Numbers of components of a coding's model: the rows of its arrays ``shape_components`` and so on."""
+    sizes = {name.removesuffix(_COMPONENTS): shape[0] for name, shape in shapes.items() if name.endswith(_COMPONENTS)}
+    ordered = sorted(sizes, key=lambda part: (_PARTS.index(part) if part in _PARTS else len(_PARTS), part))
+    return ", ".join(f"{sizes[part]} {part}" for part in ordered)

@@ -1,0 +1,164 @@
+"""Tables as TSV, Markdown, LaTeX and HTML."""
+
+import html
+from collections.abc import Sequence
+
+from visualspeech.errors import StorageError
+from visualspeech.evaluation.escaping import markdown, tex
+from visualspeech.evaluation.layout import Cell, Row, Table
+from visualspeech.storage import table_text
+
+PAGE_STYLE = (
+    ":root{color-scheme:light dark}body{font:15px/1.5 system-ui,sans-serif;margin:2rem auto;max-width:min(92vw,110rem);"
+    "padding:0 1rem}table{border-collapse:collapse;margin:1rem 0;width:100%}th,td{padding:.35rem .6rem;"
+    "text-align:right;border-bottom:1px solid #8884;font-variant-numeric:tabular-nums}th:first-child{text-align:left}"
+    "td small{display:block;opacity:.65}tr.baseline th,tr.floor th{font-weight:400}figure{margin:0}dt{font-weight:600}"
+    "dd{margin:0 0 .4rem}.scroll{overflow-x:auto}th[colspan]{text-align:center}tr.heading th{text-align:left}"
+)
+
+
+def all_forms(frame, tables: Sequence[Table], title: str) -> tuple[str, str, str, str]:
+    """TSV of a data frame under the facts of the first table (lines that begin with ``#``); Markdown, LaTeX, HTML."""
+    facts = "".join(f"# {_flat(name)}: {_flat(text)}\n" for name, text in (tables[0].facts if tables else ()))
+    return facts + table_text(frame), to_markdown(tables), to_latex(tables), to_html_page(tables, title)
+
+
+def _flat(text: str) -> str:
+    return " ".join(text.split())
+
+
+def to_markdown(tables: Sequence[Table]) -> str:
+    """GitHub-flavoured Markdown, which has one line of headings: a group's name stands before each of its columns."""
+    return "\n\n".join(map(_markdown_table, tables)) + "\n"
+
+
+def _markdown_table(table: Table) -> str:
+    over = [name for name, span in table.groups for _ in range(span)] or [""] * len(table.columns)
+    heads = [f"{group} {column}".strip() for group, column in zip(over, table.columns, strict=True)]
+    lines = [f"**{markdown(table.title)}**", ""]
+    lines += [f"- {markdown(name)}: {markdown(text)}" for name, text in table.facts]
+    lines += [""] if table.facts else []
+    lines.append("| " + " | ".join(markdown(head) for head in (table.corner, *heads)) + " |")
+    lines.append("|---|" + "---:|" * len(heads))
+    for row in table.rows:
+        name, cells = markdown(row.title), list(map(_markdown_cell, row.cells))
+        lines.append("| " + " | ".join([name, *cells] if cells else [f"**{name}**", *[""] * len(heads)]) + " |")
+    for note in table.notes:
+        lines += ["", markdown(note)]
+    lines += [""] if table.definitions else []
+    lines += [f"- {markdown(term)}: {markdown(text)}" for term, text in table.definitions]
+    return "\n".join(lines)
+
+
+def _markdown_cell(cell: Cell) -> str:
+    mark = ("**" if cell.best else "") + ("*" if cell.collapsed else "")
+    text = markdown(cell.text) + ("†" if cell.collapsed else "") if cell.text else "–"
+    return f"{mark}{text}{mark[::-1]} {markdown(cell.small)}".rstrip()
+
+
+def to_latex(tables: Sequence[Table]) -> str:
+    """LaTeX table environments (packages ``booktabs``, ``graphicx``); facts, notes and definitions in the caption."""
+    return "\n".join(line for table in tables for line in _latex_table(table))
+
+
+def _latex_table(table: Table) -> list[str]:
+    width = len(table.columns)
+    lines = [r"\begin{table}", r"\centering", rf"\caption{{{tex(_caption(table))}}}"]
+    lines += [rf"\resizebox{{\linewidth}}{{!}}{{\begin{{tabular}}{{l{'r' * width}}}", r"\toprule"]
+    if table.groups:
+        spans = [rf"\multicolumn{{{span}}}{{c}}{{{tex(name)}}}" for name, span in table.groups]
+        lines.append(" & ".join([tex(table.corner), *spans]) + r" \\")
+    corner = "" if table.groups else tex(table.corner)
+    lines += [" & ".join([corner, *map(tex, table.columns)]) + r" \\", r"\midrule"]
+    for row in table.rows:
+        if row.cells:
+            lines.append(" & ".join([tex(row.title), *map(_latex_cell, row.cells)]) + r" \\")
+        else:
+            lines.append(rf"\multicolumn{{{width + 1}}}{{l}}{{\itshape {tex(row.title)}}} \\")
+    return [*lines, r"\bottomrule", r"\end{tabular}}", r"\end{table}", ""]
+
+
+def _caption(table: Table) -> str:
+    facts = "; ".join(f"{name}: {text}" for name, text in table.facts)
+    definitions = (f"{term}: {text}" for term, text in table.definitions)
+    return " ".join([f"{table.title}.", *([f"{facts}."] if facts else []), *table.notes, *definitions])
+
+
+def _latex_cell(cell: Cell) -> str:
+    text = tex(cell.text) + (r"\textdagger{}" if cell.collapsed else "") if cell.text else "--"
+    if cell.collapsed:
+        text = rf"\textit{{{text}}}"
+    if cell.best:
+        text = rf"\textbf{{{text}}}"
+    return text + (rf"{{\scriptsize\ {tex(cell.small)}}}" if cell.small else "")
+
+
+def to_html(tables: Sequence[Table]) -> str:
+    """HTML fragments (``<figure>``) that style themselves where they stand; all text escaped."""
+    return "\n".join(line for table in tables for line in _html_table(table)) + "\n"
+
+
+def _html_table(table: Table) -> list[str]:
+    kind = "result-table grouped" if table.groups else "result-table"
+    facts = " · ".join(_pairs(table.facts, "{}: {}"))
+    out = [f'<figure class="{kind}">', f"<figcaption><b>{html.escape(table.title)}</b>"]
+    out += [facts, '</figcaption><div class="scroll"><table><thead>']
+    corner = f'<th scope="col"{" rowspan=2" if table.groups else ""}>{html.escape(table.corner)}</th>'
+    if table.groups:
+        spans = "".join(f'<th scope="colgroup" colspan="{n}">{html.escape(name)}</th>' for name, n in table.groups)
+        out.append(f"<tr>{corner}{spans}</tr>")
+    # Many columns stand side by side: a heading may break before its bracket.
+    heads = "".join(f'<th scope="col">{html.escape(name).replace("(", "<wbr>(")}</th>' for name in table.columns)
+    out.append(f"<tr>{'' if table.groups else corner}{heads}</tr></thead><tbody>")
+    out += [_html_row(row, len(table.columns)) for row in table.rows]
+    out.append("</tbody></table></div>")
+    out += [f"<p>{html.escape(note)}</p>" for note in table.notes]
+    if table.definitions:
+        out += ["<dl>", *_pairs(table.definitions, "<dt>{}</dt><dd>{}</dd>"), "</dl>"]
+    return [*out, "</figure>"]
+
+
+def _pairs(pairs: Sequence[tuple[str, str]], form: str) -> list[str]:
+    return [form.format(html.escape(name), html.escape(text)) for name, text in pairs]
+
+
+def _html_row(row: Row, width: int) -> str:
+    title = html.escape(row.title)
+    if not row.cells:
+        return f'<tr class="heading"><th scope="colgroup" colspan="{width + 1}">{title}</th></tr>'
+    cells = "".join(map(_html_cell, row.cells))
+    return f'<tr class="{html.escape(row.role)}"><th scope="row">{title}</th>{cells}</tr>'
+
+
+def _html_cell(cell: Cell) -> str:
+    text = html.escape(cell.text) or "–"
+    if cell.collapsed:
+        text = f"<em>{text}†</em>"
+    if cell.best:
+        text = f"<strong>{text}</strong>"
+    small = f"<small>{html.escape(cell.small)}</small>" if cell.small else ""
+    return f"<td>{text}{small}</td>"
+
+
+def to_html_page(tables: Sequence[Table], title: str) -> str:
+    """The tables as an HTML page of its own, without anything from outside."""
+    return (
+        '<!doctype html>\n<html lang="en"><head><meta charset="utf-8">'
+        f"<title>{html.escape(title)}</title><style>{PAGE_STYLE}</style></head><body><h1>{html.escape(title)}</h1>\n"
+        f"{to_html(tables)}</body></html>\n"
+    )
+
+
+def fragment_of(page: str) -> str:
+    """The tables of a page that :func:`to_html_page` wrote, for a page that holds more.
+
+    Raises
+    ------
+    StorageError
+        It is no such page.
+    """
+    _, heading, rest = page.partition("</h1>\n")
+    body, end, _ = rest.rpartition("</body>")
+    if not heading or not end:
+        raise StorageError("this is not a page of tables that a run has written. Delete it and run again.")
+    return body

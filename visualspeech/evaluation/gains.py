@@ -1,0 +1,191 @@
+"""What the best network gains over reference models, as in Table 3 of Fan et al. (2015), and how sure that is."""
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+
+from visualspeech.errors import DataError
+from visualspeech.evaluation.comparisons import ComparisonSettings, holm, paired_p
+from visualspeech.evaluation.layout import Cell, Row, Table, interval
+from visualspeech.evaluation.measured import MeasuredRows, cells_of
+from visualspeech.evaluation.metrics import METRICS, Metric, metric_named, statistics_of
+from visualspeech.evaluation.published_results import Published
+from visualspeech.evaluation.statistics import BootstrapSettings, Sampled, draws, figure, sample
+from visualspeech.models.rows import ModelRow
+
+RUN, PUBLISHED = "run", "published"
+COLUMNS = ("source", "row", "metric", "value", "low", "high", "gain", "gain_low", "gain_high", "p", "p_holm")
+
+
+def best_cell(rows: Sequence[ModelRow], curves: Mapping[str, object]) -> str:
+    """The cell with the lowest validation error among the candidates, which are the rows that have a learning curve.
+
+    The test utterances have no say in it, so that the best of many is not judged by what it was chosen by. The lowest
+    errors of the seeds of one cell are averaged.
+
+    Parameters
+    ----------
+    curves : name of a candidate -> its learning curve (data frame with the column ``validation``)
+
+    Raises
+    ------
+    DataError
+        There is no candidate.
+    """
+    errors = {
+        cell: float(np.mean([curves[row.name]["validation"].min() for row in repetitions]))
+        for cell, repetitions in cells_of([row for row in rows if row.name in curves]).items()
+    }
+    if not errors:
+        raise DataError("the table of gains has no candidate. Name a trained network in the settings of the tables.")
+    return min(errors, key=errors.get)
+
+
+def rows_of_gains(measured: MeasuredRows, best: str, references: Sequence[str]) -> MeasuredRows:
+    """The rows of the table: the reference models and the best cell.
+
+    Raises
+    ------
+    DataError
+        There is no reference.
+    """
+    if not references:
+        raise DataError("the table of gains has no reference model. Name one in the settings of the tables.")
+    return measured.where(lambda row: row.name in references or (row.cell or row.name) == best)
+
+
+def gains_frame(
+    measured: MeasuredRows,
+    best: str,
+    metrics: Sequence[str],
+    paper: Published | None = None,
+    settings: ComparisonSettings | None = None,
+    bootstrap: BootstrapSettings | None = None,
+):
+    """Figures of the reference models and of the best network as a data frame with :data:`COLUMNS`.
+
+    ``gain`` is what the network gains over a reference: of an error the share by which it is lower (``1 - network /
+    reference``), else the difference. Its interval is drawn in pairs. P values are Holm-corrected over all lines. Rows
+    of the published table have a gain and nothing else.
+
+    Parameters
+    ----------
+    measured : from :func:`rows_of_gains`; repetitions are pooled
+    best : the cell that the others are compared with
+    metrics : names of measures
+    """
+    import pandas
+
+    settings, bootstrap = settings or ComparisonSettings(), bootstrap or BootstrapSettings()
+    measured = measured.pooled()
+    drawn, lines, p = draws(measured.utterances, bootstrap), [], []
+    for row in _best_last([row.name for row in measured.rows], best):
+        for metric in map(metric_named, metrics):
+            tables = measured.tables[row], measured.tables[best]
+            own, of_best = (sample(table, metric, drawn) for table in tables)
+            shown, gain = figure(own, bootstrap.level), (np.nan,) * 3
+            if row != best:
+                found = figure(_gain(metric, of_best, own), bootstrap.level)
+                gain = (found.value, found.low, found.high)
+                statistics = [statistics_of(table, metric) for table in tables]
+                p.append(paired_p(metric, *statistics[::-1], settings))
+            lines.append((RUN, row, metric.name, shown.value, shown.low, shown.high, *gain))
+    missing = [np.nan] * len(metrics)
+    tested = [[*values, *missing] for values in (p, holm(np.array(p)))]
+    frame = pandas.DataFrame(lines, columns=list(COLUMNS[:9])).assign(p=tested[0], p_holm=tested[1])
+    return pandas.concat([frame, _published_frame(paper)], ignore_index=True) if paper and paper.gains else frame
+
+
+def _best_last(rows: Sequence[str], best: str) -> list[str]:
+    return [*(row for row in rows if row != best), best]
+
+
+def _gain(metric: Metric, network: Sampled, reference: Sampled) -> Sampled:
+    if metric.is_error:
+        return Sampled(1 - network.value / reference.value, 1 - network.samples / reference.samples)
+    return Sampled(network.value - reference.value, network.samples - reference.samples)
+
+
+def _published_frame(paper: Published):
+    import pandas
+
+    best, lines = paper.gains[paper.best], []
+    for row in _best_last(list(paper.gains), paper.best):
+        for metric, value in paper.gains[row].items():
+            gain = np.nan
+            if row != paper.best:
+                gain = 1 - best[metric] / value if METRICS[metric].is_error else best[metric] - value
+            lines.append({"source": PUBLISHED, "row": row, "metric": metric, "value": value, "gain": gain})
+    return pandas.DataFrame(lines, columns=list(COLUMNS)).astype({name: float for name in COLUMNS[3:]})
+
+
+def gains_tables(
+    frame,
+    measured: MeasuredRows,
+    best: str,
+    facts: Sequence[tuple[str, str]],
+    paper: Published | None,
+    settings: ComparisonSettings,
+    digits: int = 3,
+) -> tuple[Table, ...]:
+    """The table in the paper's layout, of the run and as published, each followed by what the network gains.
+
+    Parameters
+    ----------
+    frame, measured, best : as made by and given to :func:`gains_frame`
+    facts : what the figures of the run were computed on
+    settings : those of the tests
+    """
+    titles = measured.pooled().titles
+    title = titles[best]
+    notes = (
+        "The best value in each column is bold.",
+        f"{title} is the network with the lowest error on the validation utterances. Intervals are percentile "
+        "bootstrap intervals over test utterances.",
+    )
+    note = (
+        "Share by which the network's errors are lower; difference of measures that are no errors; with paired "
+        f"bootstrap intervals. Bold: the p value of a paired test over utterances, Holm-corrected, is below "
+        f"{settings.level:g}."
+    )
+    heading = "Best network and reference models"
+    titles |= {best: f"Best network ({title})"}
+    tables = _tables(frame[frame["source"] == RUN], heading, titles, facts, (notes, (note,)), settings, digits)
+    part = frame[frame["source"] == PUBLISHED]
+    if len(part):
+        source, notes = (("source", paper.source),), (notes[:1], ("The paper gives no intervals.",))
+        tables += _tables(part, f"{heading} as published", {}, source, notes, settings, digits)
+    return tuple(tables)
+
+
+def _tables(part, heading: str, titles: Mapping[str, str], facts, notes, settings, digits: int) -> list[Table]:
+    """Figures, and what the last row gains over the others; ``notes`` of both."""
+    found = {(row.row, row.metric): row for row in part.itertuples()}
+    rows, metrics = (list(dict.fromkeys(part[column])) for column in ("row", "metric"))
+    best = {m: min(rows, key=lambda row: METRICS[m].cost(found[row, m].value)) for m in metrics}  # noqa: B023
+    figures = [
+        Row(titles.get(row, row), tuple(_figure(found[row, m], best[m] == row, digits) for m in metrics))
+        for row in rows
+    ]
+    gains = [
+        Row(titles.get(row, row), tuple(_shown_gain(found[row, m], settings) for m in metrics)) for row in rows[:-1]
+    ]
+    return [
+        Table(heading, tuple(METRICS[m].heading for m in metrics), tuple(figures), facts=tuple(facts), notes=notes[0]),
+        Table(
+            f"{heading}: gain", tuple(METRICS[m].title for m in metrics), tuple(gains), notes=notes[1], corner="over"
+        ),
+    ]
+
+
+def _figure(row, best: bool, digits: int) -> Cell:
+    return Cell(f"{row.value:.{digits}f}", _interval(row.low, row.high, f"{{:.{digits}f}}".format), best=best)
+
+
+def _shown_gain(row, settings: ComparisonSettings) -> Cell:
+    form = ("{:.1%}" if METRICS[row.metric].is_error else "{:.3f}").format
+    return Cell(form(row.gain), _interval(row.gain_low, row.gain_high, form), best=bool(row.p_holm < settings.level))
+
+
+def _interval(low: float, high: float, form) -> str:
+    return interval(form(low), form(high)) if low == low else ""

@@ -1,0 +1,99 @@
+"""Visual codings: what recorded faces are turned into for the models, and how predictions become faces again.
+
+A coding turns the faces of an utterance into vectors (T, N) per frame, and such vectors back into points of the
+normalised face and, where it models one, into a texture. Measures that need points only hold for every coding.
+"""
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import NamedTuple, Protocol
+
+import numpy as np
+
+from visualspeech.errors import StorageError
+from visualspeech.face.drift import FaceReference, Faces
+from visualspeech.face.point_sets import PointSet
+from visualspeech.storage import read_model_settings
+
+
+class CodedFaces(NamedTuple):
+    """A coded utterance.
+
+    Parameters
+    ----------
+    parameters : (T, N) float32, what models predict
+    offset : what separates the recorded faces from the decoded ones (position and light of the recording): a constant
+        vector added to shapes and textures
+    details : further arrays of T rows that measures and figures need, by name
+    """
+
+    parameters: np.ndarray
+    offset: FaceReference
+    details: Mapping[str, np.ndarray]
+
+
+class VisualCoding(Protocol):
+    """A trained visual coding of N parameters per frame and P points."""
+
+    @property
+    def points(self) -> PointSet:
+        """The point set, of P points."""
+
+    @property
+    def size(self) -> int:
+        """N, the number of parameters per frame."""
+
+    def encode_faces(self, faces: Faces) -> CodedFaces:
+        """Code the faces of one utterance."""
+
+    def decode_points(self, parameters: np.ndarray) -> np.ndarray:
+        """Points (T, P, 2) of the normalised face in pixels for parameters (T, N), without the utterance's offset."""
+
+    def decode_texture(self, parameters: np.ndarray) -> np.ndarray | None:
+        """Textures (T, 3U) in grey levels for parameters (T, N), without the offset; None where none is modelled."""
+
+
+class CodingHeader(NamedTuple):
+    """What the file of a coding says before its arrays are read.
+
+    Parameters
+    ----------
+    kind : kind of the coding, ``aam``
+    points : name of the point set
+    sizes : parameters per frame by name; those that models predict are ``appearance``
+    """
+
+    kind: str
+    points: str
+    sizes: Mapping[str, int]
+
+
+def read_coding_header(path: str | Path) -> CodingHeader:
+    """Kind, point set and sizes of a coding, without loading its arrays.
+
+    Raises
+    ------
+    StorageError
+        The file is missing, or no visual coding.
+    """
+    stored = read_model_settings(path)
+    if not {"kind", "points", "sizes"} <= set(stored):
+        raise StorageError(f"{path} holds no visual coding. Give the model file that a run has written for it.")
+    return CodingHeader(stored["kind"], stored["points"], stored["sizes"])
+
+
+def load_coding(path: str | Path) -> VisualCoding:
+    """The visual coding in a file, of whatever kind.
+
+    Raises
+    ------
+    StorageError
+        The file is missing, no visual coding, or of an unknown kind.
+    """
+    from visualspeech.face.aam.model import Aam
+
+    kinds = {"aam": Aam}
+    kind = read_coding_header(path).kind
+    if kind not in kinds:
+        raise StorageError(f"{path} is a visual coding of the unknown kind {kind!r}; known are {', '.join(kinds)}.")
+    return kinds[kind].load(path)

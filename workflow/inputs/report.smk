@@ -1,0 +1,91 @@
+# What videos, preference tests and reports show.
+def shown_model(file):
+    """Input function: a file of the model that a system's videos show."""
+    return lambda wildcards: filled(f"<model>/{file}", wildcards, model=system_of(wildcards)["videos"]["model"])[0]
+
+
+def of_head(wildcards):
+    """The head of a corpus's one speaker."""
+    speaker, *_ = PLAN.corpora[wildcards.corpus].speakers
+    return filled("<corpus>/heads/{speaker}.safetensors", wildcards, speaker=speaker)[0]
+
+
+def names_of(wildcards):
+    """What a video says of the face that it shows."""
+    return {"corpus": wildcards.corpus, "consent": PLAN.corpora[wildcards.corpus].consent}
+
+
+def predictions_of(number):
+    """Input function: predictions of the first or the second model of a system's preference test."""
+    return lambda wildcards: filled(
+        "<model>/predictions.h5", wildcards, model=system_of(wildcards)["preference"]["models"][number]
+    )[0]
+
+
+def of_preference(system):
+    """Names of the two models of a system's preference test."""
+    return system["preference"]["models"]
+
+
+def answers_of(wildcards):
+    """The completed answer sheets of a preference test, or the blank one."""
+    return system_of(wildcards)["preference"]["answers"] or filled("<system>/preference/answers.tsv", wildcards)[0]
+
+
+def benchmarks_of(wildcards):
+    """Benchmark files of every job that the results of a corpus come from."""
+    corpus = PLAN.corpora[wildcards.corpus]
+    stages = ["check_recordings", "align_speech", "track_landmarks", "normalise_pose"]
+    stages += ["record_demo"] if corpus.adapter == "demo" else []
+    paths = filled("<corpus>/benchmarks/{stage}/{shard}.tsv", wildcards, stage=stages, shard=corpus.shards)
+    paths += filled("<corpus>/benchmarks/fit_head/{speaker}.tsv", wildcards, speaker=list(corpus.speakers))
+    for coding in PLAN.codings(wildcards.corpus):
+        fitted = ["fit_faces"] if SETTINGS["codings"][coding]["source"] == "fit" else []
+        sharded = ["sample_textures", *fitted, "encode_appearance"]
+        paths += filled("<coding>/benchmarks/{stage}.tsv", wildcards, coding=coding, stage=["fit_reference", "fit_aam"])
+        paths += filled(
+            "<coding>/benchmarks/{stage}/{shard}.tsv", wildcards, coding=coding, stage=sharded, shard=corpus.shards
+        )
+    for one in systems_of(wildcards):
+        trained = [row.name for row in rows_of(one.system, ("model", "baseline"))]
+        paths += filled(
+            "<system>/benchmarks/{stage}/{model}.tsv", one, stage=["train_model", "predict_model"], model=trained
+        )
+        paths += filled("<system>/benchmarks/render_videos.tsv", one)
+    return paths
+
+
+def reported(wildcards):
+    """What the report shows of each system of a corpus, with the paths of its files."""
+    return [
+        {
+            "name": one.system,
+            "title": system_of(one)["title"] or one.system,
+            "facts": list(facts_of(one).items()),
+            "tables": filled("<system>/tables/{table}.html", one, table=tables_of(one.system)),
+            "targets": shards("<system>/targets/{shard}.h5")(one),
+            "rows": [row.plain() for row in curved_rows(one.system)],
+            "curves": filled("<model>/learning_curve.tsv", one, model=[row.name for row in curved_rows(one.system)]),
+            "coding": of_coding("model.safetensors")(one),
+            "reference": of_coding("reference.safetensors")(one),
+            "model": system_of(one)["videos"]["model"],
+            "predictions": shown_model("predictions.h5")(one),
+            "videos": filled("<system>/videos", one)[0],
+        }
+        for one in systems_of(wildcards)
+    ]
+
+
+def curved_rows(system):
+    """Rows whose training has a learning curve over epochs."""
+    return [row for row in rows_of(system) if row.training]
+
+
+def reported_files(wildcards):
+    """Every file that :func:`reported` names."""
+    files = []
+    for one in reported(wildcards):
+        for value in one.values():
+            values = value if isinstance(value, list) else [value]
+            files += [path for path in values if isinstance(path, str) and path.startswith(SETTINGS["results"])]
+    return list(dict.fromkeys(files))

@@ -1,0 +1,57 @@
+# Who speaks, and what.
+from visualspeech.speech.sentences import listed_sentences
+from visualspeech.speech.tts import letter_to_sound
+
+SPEAK = SETTINGS["speak"]
+
+
+def speaking():
+    """(corpus, system, model) of every speaker: one for each corpus on which the system that speaks runs.
+
+    Raises
+    ------
+    WorkflowError
+        The system or the model is not there, or a text or voice cannot be spoken.
+    """
+    system = SPEAK["system"] or next(iter(SETTINGS["systems"]))
+    if system not in SETTINGS["systems"]:
+        raise WorkflowError(f"`speak.system: {system}` is not selected. Selected: {', '.join(SETTINGS['systems'])}.")
+    model = SPEAK["model"] or SETTINGS["systems"][system]["videos"]["model"]
+    known = [row.name for row in rows_of(system, ("model", "baseline"))]
+    if model not in known:
+        raise WorkflowError(f"`speak.model: {model}` is no model of {system}. Known: {', '.join(known)}.")
+    return [(corpus, system, model) for corpus, name in PLAN.pairs if name == system]
+
+
+def sentences():
+    """What is said, one text per video, by number."""
+    try:
+        if workflow.is_main_process and SPEAK["voice"]["voice"] != "en-us":
+            letter_to_sound("a", SPEAK["voice"]["voice"])
+        return listed_sentences(SPEAK["sentences"], SPEAK["file"])
+    except VisualSpeechError as error:
+        raise WorkflowError(f"`speak`: {error}")
+
+
+for name in SPEAK["background"]:
+    if not any(name in PLAN.corpora[corpus].split for corpus, _, _ in speaking()):
+        raise WorkflowError(f"`speak.background: {name}` is no utterance of the corpus.")
+
+SPEAKERS = speaking()
+SENTENCES = sentences()
+
+
+def speaker_folders():
+    """Folders of all speakers."""
+    pattern = plain("<system>/speakers/{model}")
+    return [pattern.format(corpus=corpus, system=system, model=model) for corpus, system, model in SPEAKERS]
+
+
+def spoken_videos():
+    """Videos of all speakers and texts."""
+    pattern = plain("<system>/spoken/{number}.mp4")
+    return [
+        pattern.format(corpus=corpus, system=system, number=number)
+        for corpus, system, _ in SPEAKERS
+        for number in SENTENCES
+    ]

@@ -1,0 +1,99 @@
+# The system, visual coding and row that a job belongs to.
+from visualspeech.face.point_sets import point_set_path
+from visualspeech.features.blocks.base import block_module
+from visualspeech.models.registry import FAMILIES
+from visualspeech.models.rows import ModelRow
+
+
+def system_of(wildcards):
+    """Settings of the system that a job belongs to."""
+    return SETTINGS["systems"][wildcards.system]
+
+
+def coding_of(wildcards):
+    """Settings of the visual coding that a job belongs to, or of its system's."""
+    name = getattr(wildcards, "coding", None) or system_of(wildcards)["coding"]
+    return SETTINGS["codings"][name]
+
+
+def of_coding(file):
+    """Input function: a file of the visual coding of the job's system."""
+    return lambda wildcards: filled(f"<coding>/{file}", wildcards, coding=system_of(wildcards)["coding"])[0]
+
+
+def rows_of(system, roles=("model", "baseline", "floor")):
+    """The rows of a system's tables, in their order."""
+    rows = [ModelRow.of(row) for row in SETTINGS["systems"][system]["rows"]]
+    return [row for row in rows if row.role in roles]
+
+
+def blocks_read(system):
+    """Names of the input blocks that any row of a system reads."""
+    return list(dict.fromkeys(name for row in rows_of(system) for name in row.reads))
+
+
+def row_of(wildcards):
+    """The row that a job trains or predicts."""
+    return next(row for row in rows_of(wildcards.system) if row.name == wildcards.model)
+
+
+def of_rows(file, names=None):
+    """Input function: a file of each row of the system, or of those that ``names(system settings)`` gives."""
+
+    def paths(wildcards):
+        chosen = names(system_of(wildcards)) if names else [row.name for row in rows_of(wildcards.system)]
+        return [path for name in chosen for path in filled(f"<model>/{file}", wildcards, model=name)]
+
+    return paths
+
+
+def features_of(wildcards):
+    """Feature files that a model reads: all shards of its first input block, then of the second, and so on."""
+    numbers = PLAN.corpora[wildcards.corpus].shards
+    return [
+        path
+        for block in row_of(wildcards).reads
+        for path in filled("<system>/features/{block}/{shard}.h5", wildcards, block=block, shard=numbers)
+    ]
+
+
+def model_code(script):
+    """Params function: digest of a script with the code of the row's family and of the input blocks that it reads."""
+
+    def digest(wildcards):
+        row, blocks = row_of(wildcards), system_of(wildcards)["blocks"]
+        kinds = [block_module(blocks[name]["kind"]) for name in row.reads]
+        return code(script, FAMILIES[row.family].module, *kinds)
+
+    return digest
+
+
+def heads_of(wildcards):
+    return filled(
+        "<corpus>/heads/{speaker}.safetensors", wildcards, speaker=list(PLAN.corpora[wildcards.corpus].speakers)
+    )
+
+
+def findings_of(wildcards):
+    """Findings of the check and of every shard's alignment and tracking."""
+    stages = ("<corpus>/alignment/{shard}.findings.tsv", "<corpus>/landmarks/{shard}.findings.tsv")
+    checked = filled("<corpus>/check/findings.tsv", wildcards)
+    return [*checked, *(path for pattern in stages for path in shards(pattern)(wildcards))]
+
+
+def points_code(script):
+    """Params function: digest of a script with the point set of the job's coding."""
+    return lambda wildcards: code(script, data=[point_set_path(coding_of(wildcards)["points"])])
+
+
+def faces(wildcards):
+    """The file of the faces that a coding's parameters code, of the job's shard; of all shards where it has none."""
+    name = getattr(wildcards, "coding", None) or system_of(wildcards)["coding"]
+    pattern = plain(f"<coding>/{'fitted' if SETTINGS['codings'][name]['source'] == 'fit' else 'textures'}/{{shard}}.h5")
+    if hasattr(wildcards, "shard"):
+        return pattern.format(corpus=wildcards.corpus, coding=name, shard=wildcards.shard)
+    return expand(pattern, corpus=wildcards.corpus, coding=name, shard=PLAN.corpora[wildcards.corpus].shards)
+
+
+TRAINED = one_of(row.name for name in SETTINGS["systems"] for row in rows_of(name, ("model", "baseline")))
+FLOORS = one_of(row.name for name in SETTINGS["systems"] for row in rows_of(name, ("floor",)))

@@ -1,0 +1,86 @@
+# What the tables of systems and corpora are made from.
+FORMS = (".tsv", ".md", ".tex", ".html")
+
+
+def facts_of(wildcards):
+    """What every table of a system says that it was computed on, beside what the files tell."""
+    coding = coding_of(wildcards)
+    return {
+        "corpus": wildcards.corpus,
+        "system": wildcards.system,
+        "coding": coding["name"],
+        "drift": coding["drift"]["method"],
+    }
+
+
+def table_settings(wildcards):
+    """Measures and digits of a system's tables."""
+    tables = system_of(wildcards)["tables"]
+    return {key: tables[key] for key in ("metrics", "digits", "ratio_digits")}
+
+
+def plain_rows(roles=("model", "baseline", "floor"), names=None):
+    """Params function: rows of a system as plain data, of the given roles or names."""
+
+    def rows(wildcards):
+        chosen = names(system_of(wildcards)) if names else None
+        found = rows_of(wildcards.system, roles)
+        return [row.plain() for row in found if chosen is None or row.name in chosen]
+
+    return rows
+
+
+def statistics_of(roles=("model", "baseline", "floor"), names=None):
+    """Input function: the measured test utterances of these rows, in the order of :func:`plain_rows`."""
+    rows = plain_rows(roles, names)
+    return lambda wildcards: [
+        path for row in rows(wildcards) for path in filled("<model>/statistics.tsv", wildcards, model=row["name"])
+    ]
+
+
+def of_topologies(system):
+    """Names of the rows of the table of topologies, with the training mean that ratios are taken to."""
+    return [*system["tables"]["topologies"], "training_mean"]
+
+
+def of_gains(system):
+    """Names of the rows of the table of gains."""
+    gains = system["tables"]["gains"]
+    return [*gains["candidates"], *gains["references"]]
+
+
+def tables_of(system):
+    """Names of a system's tables."""
+    wanted = SETTINGS["systems"][system]["tables"]
+    gains = wanted["gains"]
+    return [
+        "objective",
+        *(["topologies"] if wanted["topologies"] else []),
+        "comparisons",
+        *(["gains"] if gains["candidates"] and gains["references"] else []),
+    ]
+
+
+def tables_of_all():
+    """All tables of a run."""
+    return for_systems("<system>/tables/{table}.tsv", table=tables_of) + for_corpora("<corpus>/tables/systems.tsv")
+
+
+class OfSystem:
+    """Wildcards of one system of a corpus, for the functions that take a job's."""
+
+    def __init__(self, corpus, system):
+        self.corpus, self.system = corpus, system
+
+    def items(self):
+        return (("corpus", self.corpus), ("system", self.system))
+
+
+def systems_of(wildcards):
+    """The systems of a corpus, each with the wildcards of its jobs."""
+    return [OfSystem(wildcards.corpus, name) for name in PLAN.systems(wildcards.corpus)]
+
+
+def of_systems(function):
+    """Input function: what another one gives for each system of the corpus, one after the other."""
+    return lambda wildcards: [path for one in systems_of(wildcards) for path in function(one)]

@@ -1,0 +1,22 @@
+# One page per corpus, of all systems that run on it.
+rule write_report:
+    input:
+        utterances="<corpus>/utterances.tsv",
+        findings="<corpus>/findings.tsv",
+        alignment=shards("<corpus>/alignment/{shard}.tsv"),
+        landmarks=shards("<corpus>/landmarks/{shard}.h5"),
+        tables=["<corpus>/tables/systems.html"],
+        files=reported_files,
+        benchmarks=benchmarks_of,
+    output:
+        "<corpus>/report.html",
+    log:
+        "<corpus>/logs/write_report.log",
+    params:
+        corpus=lambda wildcards: wildcards.corpus,
+        consent=lambda wildcards: PLAN.corpora[wildcards.corpus].consent,
+        systems=reported,
+        settings={key: value for key, value in SETTINGS.items() if key != "override"},
+        code=code("write_report.py"),
+    script:
+        "../scripts/write_report.py"

@@ -1,0 +1,64 @@
+# A speaker who says any text: the folder that the console command `visualspeech speak` takes, and given sentences.
+rule bundle_speaker:
+    input:
+        utterances="<corpus>/utterances.tsv",
+        phones="<corpus>/phones.tsv",
+        model="<system>/models/{model}/model.safetensors",
+        aam=of_coding("model.safetensors"),
+        reference=of_coding("reference.safetensors"),
+        head=of_head,
+        alignment=shards("<corpus>/alignment/{shard}.tsv"),
+        landmarks=shards("<corpus>/landmarks/{shard}.h5"),
+        pose=shards("<corpus>/pose/{shard}.h5"),
+        textures=faces,
+        parameters=lambda wildcards: filled(
+            "<coding>/parameters/{shard}.h5",
+            wildcards,
+            coding=system_of(wildcards)["coding"],
+            shard=PLAN.corpora[wildcards.corpus].shards,
+        ),
+    output:
+        directory("<system>/speakers/{model}"),
+    log:
+        "<system>/logs/bundle_speaker/{model}.log",
+    benchmark:
+        "<system>/benchmarks/bundle_speaker/{model}.tsv"
+    threads: 1
+    resources:
+        mem_mb=1500,
+        disk_mb=500,
+    params:
+        background=SPEAK["background"],
+        seconds=SPEAK["background_seconds"],
+        names=names_of,
+        code=model_code("bundle_speaker.py"),
+    script:
+        "../scripts/bundle_speaker.py"
+
+
+rule speak_sentence:
+    input:
+        lambda wildcards: filled(
+            "<system>/speakers/{model}",
+            wildcards,
+            model=next(model for corpus, system, model in SPEAKERS if system == wildcards.system),
+        ),
+    output:
+        "<system>/spoken/{number}.mp4",
+    log:
+        "<system>/logs/speak_sentence/{number}.log",
+    benchmark:
+        "<system>/benchmarks/speak_sentence/{number}.tsv"
+    wildcard_constraints:
+        number=r"\d+",
+    threads: 1
+    resources:
+        mem_mb=1500,
+        disk_mb=500,
+    params:
+        text=lambda wildcards: SENTENCES[wildcards.number],
+        voice=SPEAK["voice"],
+        label=SPEAK["label"],
+        code=code("speak_sentence.py"),
+    script:
+        "../scripts/speak_sentence.py"

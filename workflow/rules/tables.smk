@@ -1,0 +1,134 @@
+# The result tables of each system, and of all systems of a corpus.
+rule measure_model:
+    input:
+        utterances="<corpus>/utterances.tsv",
+        coding=of_coding("model.safetensors"),
+        predictions="<system>/models/{model}/predictions.h5",
+        targets=shards("<system>/targets/{shard}.h5"),
+    output:
+        "<system>/models/{model}/statistics.tsv",
+    log:
+        "<system>/logs/measure_model/{model}.log",
+    benchmark:
+        "<system>/benchmarks/measure_model/{model}.tsv"
+    threads: 1
+    resources:
+        mem_mb=1000,
+        disk_mb=50,
+    params:
+        code=code("measure_model.py"),
+    script:
+        "../scripts/measure_model.py"
+
+
+rule tabulate_results:
+    input:
+        utterances="<corpus>/utterances.tsv",
+        coding=of_coding("model.safetensors"),
+        statistics=statistics_of(),
+    output:
+        multiext("<system>/tables/objective", *FORMS),
+    log:
+        "<system>/logs/tabulate_results.log",
+    params:
+        rows=plain_rows(),
+        facts=facts_of,
+        settings=table_settings,
+        bootstrap=lambda wildcards: system_of(wildcards)["tables"]["bootstrap"],
+        seed=SEED,
+        code=code("tabulate_results.py"),
+    script:
+        "../scripts/tabulate_results.py"
+
+
+rule tabulate_topologies:
+    input:
+        utterances="<corpus>/utterances.tsv",
+        coding=of_coding("model.safetensors"),
+        statistics=statistics_of(names=of_topologies),
+    output:
+        multiext("<system>/tables/topologies", *FORMS),
+    log:
+        "<system>/logs/tabulate_topologies.log",
+    params:
+        rows=plain_rows(names=of_topologies),
+        facts=facts_of,
+        settings=table_settings,
+        published=lambda wildcards: system_of(wildcards)["published"],
+        code=code("tabulate_topologies.py"),
+    script:
+        "../scripts/tabulate_topologies.py"
+
+
+rule compare_models:
+    input:
+        utterances="<corpus>/utterances.tsv",
+        coding=of_coding("model.safetensors"),
+        statistics=statistics_of(("model", "baseline")),
+    output:
+        multiext("<system>/tables/comparisons", *FORMS),
+    log:
+        "<system>/logs/compare_models.log",
+    params:
+        rows=plain_rows(("model", "baseline")),
+        facts=facts_of,
+        settings=table_settings,
+        comparison=lambda wildcards: system_of(wildcards)["tables"]["comparison"],
+        bootstrap=lambda wildcards: system_of(wildcards)["tables"]["bootstrap"],
+        seed=SEED,
+        code=code("compare_models.py"),
+    script:
+        "../scripts/compare_models.py"
+
+
+rule tabulate_gains:
+    input:
+        utterances="<corpus>/utterances.tsv",
+        coding=of_coding("model.safetensors"),
+        statistics=statistics_of(names=of_gains),
+        curves=of_rows("learning_curve.tsv", lambda system: system["tables"]["gains"]["candidates"]),
+    output:
+        multiext("<system>/tables/gains", *FORMS),
+    log:
+        "<system>/logs/tabulate_gains.log",
+    params:
+        rows=plain_rows(names=of_gains),
+        candidates=lambda wildcards: system_of(wildcards)["tables"]["gains"]["candidates"],
+        references=lambda wildcards: system_of(wildcards)["tables"]["gains"]["references"],
+        facts=facts_of,
+        settings=table_settings,
+        published=lambda wildcards: system_of(wildcards)["published"],
+        comparison=lambda wildcards: system_of(wildcards)["tables"]["comparison"],
+        bootstrap=lambda wildcards: system_of(wildcards)["tables"]["bootstrap"],
+        seed=SEED,
+        code=code("tabulate_gains.py"),
+    script:
+        "../scripts/tabulate_gains.py"
+
+
+rule tabulate_systems:
+    input:
+        utterances="<corpus>/utterances.tsv",
+        codings=of_systems(lambda wildcards: [of_coding("model.safetensors")(wildcards)]),
+        statistics=of_systems(statistics_of()),
+    output:
+        multiext("<corpus>/tables/systems", *FORMS),
+    log:
+        "<corpus>/logs/tabulate_systems.log",
+    params:
+        systems=lambda wildcards: [
+            {
+                "title": system_of(one)["title"] or one.system,
+                "rows": plain_rows()(one),
+                "statistics": statistics_of()(one),
+                "coding": of_coding("model.safetensors")(one),
+                "facts": facts_of(one),
+            }
+            for one in systems_of(wildcards)
+        ],
+        bootstrap=lambda wildcards: system_of(systems_of(wildcards)[0])["tables"]["bootstrap"],
+        seed=SEED,
+        digits=lambda wildcards: system_of(systems_of(wildcards)[0])["tables"]["digits"],
+        code=code("tabulate_systems.py"),
+    script:
+        "../scripts/tabulate_systems.py"
