@@ -11,7 +11,14 @@ from pathlib import Path
 
 from visualspeech.errors import SettingError
 from visualspeech.planning.corpora import CorpusPlan, plan_corpus
-from visualspeech.planning.systems import absolute_root, complete_system, missing_needs, read_named, read_systems
+from visualspeech.planning.systems import (
+    absolute_root,
+    check_speaker,
+    complete_system,
+    missing_needs,
+    read_named,
+    read_systems,
+)
 from visualspeech.schema import check, fill_defaults, load_schema
 
 #: Folders beside the systems' in a corpus's results; no system may have such a name.
@@ -50,9 +57,10 @@ def resolve(config: Mapping, folder: Path) -> dict:
     if abs(sum(shares.values()) - 1) > 1e-6:
         raise SettingError(f"`split`: the shares must sum to 1, they sum to {sum(shares.values()):g}.")
     for name in systems:
-        if name in RESERVED:
+        if name.lower() in RESERVED:
             raise SettingError(f"`systems`: {name} is the name of a folder of the results; give the system another.")
     systems = {name: complete_system(system, settings["seed"]) for name, system in systems.items()}
+    check_speaker(settings["speak"], systems)
     return {**settings, "corpora": corpora, "systems": systems, "codings": codings}
 
 
