@@ -5,7 +5,6 @@ import sys
 from dataclasses import asdict, dataclass, fields, replace
 
 import pytest
-from visualspeech.models.baselines import BaselineSettings
 
 from tests.paths import REPOSITORY
 from visualspeech.animation.rendering import RenderSettings
@@ -25,19 +24,41 @@ from visualspeech.face.drift import DriftSettings
 from visualspeech.face.head import PoseSettings
 from visualspeech.face.screening import ScreeningSettings
 from visualspeech.face.tracker import LandmarkSettings
-from visualspeech.features.streams import FeatureSettings
+from visualspeech.features.blocks.label_parts import LabelPartsSettings
 from visualspeech.fields import Settings, default_of, described_fields, restored, section_schema, setting, with_defaults
 from visualspeech.models.hmm.model import HmmSettings
+from visualspeech.models.lookup_settings import LookupSettings
+from visualspeech.models.stack_settings import StackSettings
+from visualspeech.models.training_settings import TrainingSettings
 from visualspeech.schema import check
-from visualspeech.speech.alignment import AlignmentSettings
+from visualspeech.speech.forced_alignment import AlignmentSettings
 from visualspeech.speech.spoken_settings import VoiceSettings
 
 CLASSES = [
-    AamSettings, AlignmentSettings, BaselineSettings, BootstrapSettings, CheckSettings, ComparisonSettings,
-    DemoSettings, DriftSettings, FeatureSettings, FittingSettings, HmmSettings, LandmarkSettings, PoseSettings,
-    ReferenceSettings, RenderSettings, ScreeningSettings, SpeakSettings, TableSettings, VideoSettings, VoiceSettings,
+    AamSettings,
+    AlignmentSettings,
+    BootstrapSettings,
+    CheckSettings,
+    ComparisonSettings,
+    DemoSettings,
+    DriftSettings,
+    FittingSettings,
+    HmmSettings,
+    LabelPartsSettings,
+    LandmarkSettings,
+    LookupSettings,
+    PoseSettings,
+    ReferenceSettings,
+    RenderSettings,
+    ScreeningSettings,
+    SpeakSettings,
+    StackSettings,
+    TableSettings,
+    TrainingSettings,
+    VideoSettings,
+    VoiceSettings,
     WalkSettings,
-]  # fmt: skip
+]
 HEAVY = {"av", "torch", "cv2", "dlib", "pandas", "scipy", "matplotlib", "h5py", "pocketsphinx", "jsonschema"}
 BESIDE = {"minimum": -1, "above": 0, "maximum": 1, "below": 0}  # how far outside a bound a value is
 

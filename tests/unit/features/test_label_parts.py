@@ -4,7 +4,6 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from visualspeech.models.blstm import StackSettings
 
 from tests.unit.speech.alignments import even_alignment
 from visualspeech.errors import DataError, SettingError
