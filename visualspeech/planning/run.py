@@ -13,6 +13,7 @@ from visualspeech.errors import SettingError
 from visualspeech.planning.corpora import CorpusPlan, plan_corpus
 from visualspeech.planning.systems import (
     absolute_root,
+    check_coding,
     check_speaker,
     complete_system,
     missing_needs,
@@ -52,6 +53,8 @@ def resolve(config: Mapping, folder: Path) -> dict:
     ]
     systems = _checked(systems, "systems", load_schema(schemas / "system.schema.yaml"))
     codings = _checked(codings, "codings", load_schema(schemas / "coding.schema.yaml"))
+    for coding in codings.values():
+        check_coding(coding)
     corpora = _checked(_by_name(corpora, "corpora"), "corpora", load_schema(schemas / "corpus.schema.yaml"))
     shares = settings["split"]
     if abs(sum(shares.values()) - 1) > 1e-6:

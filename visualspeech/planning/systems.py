@@ -7,6 +7,8 @@ from pathlib import Path
 
 from visualspeech.errors import SettingError
 from visualspeech.evaluation.published_results import published
+from visualspeech.face.aam.model import AamSettings
+from visualspeech.face.point_sets import read_point_set
 from visualspeech.features.blocks.base import block_class, block_kinds
 from visualspeech.fields import with_defaults
 from visualspeech.models.registry import expand
@@ -240,6 +242,18 @@ def _pair(system: Mapping, shown: str, rows: Sequence[ModelRow], where: str) -> 
 
 def _family(name: str, rows: Sequence[ModelRow]) -> str:
     return next(row.family for row in rows if row.name == name)
+
+
+def check_coding(coding: Mapping) -> None:
+    """Check that a visual coding can have the components that its settings ask for.
+
+    Raises
+    ------
+    SettingError
+        It cannot, or its point set is unknown.
+    """
+    settings = AamSettings(**coding["aam"])
+    settings.check_possible(settings.images, read_point_set(coding["points"]).freedom)
 
 
 def missing_needs(system: Mapping, gives: frozenset[str]) -> list[str]:
