@@ -252,8 +252,11 @@ def check_coding(coding: Mapping) -> None:
     SettingError
         It cannot, or its point set is unknown.
     """
-    settings = AamSettings(**coding["aam"])
-    settings.check_possible(settings.images, read_point_set(coding["points"]).freedom)
+    try:
+        settings = AamSettings(**coding["aam"])
+        settings.check_possible(settings.images, read_point_set(coding["points"]).freedom)
+    except SettingError as error:
+        raise SettingError(f"`codings.{coding['name']}`: {error}") from error
 
 
 def missing_needs(system: Mapping, gives: frozenset[str]) -> list[str]:
