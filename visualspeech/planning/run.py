@@ -101,7 +101,13 @@ def _checked(entries: Mapping[str, dict], key: str, schema: Mapping) -> dict[str
         {key: dict(entries)},
         {"type": "object", "properties": {key: {"type": "object", "additionalProperties": schema}}},
     )
-    return {name: fill_defaults(entry, schema) for name, entry in entries.items()}
+    filled = {}
+    for name, entry in entries.items():
+        try:
+            filled[name] = fill_defaults(entry, schema)
+        except SettingError as error:
+            raise SettingError(f"`{key}.{name}`: {error}") from error
+    return filled
 
 
 @dataclass(frozen=True)
