@@ -145,7 +145,8 @@ def check(settings: Mapping, schema: Mapping) -> None:
     checker = validators.extend(Draft202012Validator, type_checker=kinds)(schema)
     problems = sorted(checker.iter_errors(settings), key=lambda error: list(map(str, error.path)))
     if problems:
-        raise SettingError("\n".join(_sentence(problem) for problem in problems))
+        # One sentence names all keys that an object lacks; there is a problem for each.
+        raise SettingError("\n".join(dict.fromkeys(map(_sentence, problems))))
 
 
 def did_you_mean(word: str, known: Sequence[str]) -> str:
@@ -181,8 +182,10 @@ def _rule(problem) -> str:
     if rule in _LIMITS:
         return f"must be {_range(problem.schema)}"
     if rule == "type":
-        bounds = _range(problem.schema) if limit in ("integer", "number") else ""
-        return f"must be {_KINDS[limit]}{', ' * bool(bounds)}{bounds}{_way_out(limit, value)}"
+        kinds = [kind for kind in ([limit] if isinstance(limit, str) else limit) if kind != "null"]
+        bounds = _range(problem.schema) if {"integer", "number"} & set(kinds) else ""
+        ways = _way_out(kinds[0], value) if len(kinds) == 1 else ""
+        return f"must be {' or '.join(_KINDS[kind] for kind in kinds)}{', ' * bool(bounds)}{bounds}{ways}"
     if rule == "enum":
         return f"must be one of {', '.join(map(str, limit))}"
     if rule == "oneOf":

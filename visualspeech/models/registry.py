@@ -29,6 +29,7 @@ class Family:
     module : that implements it
     settings : ``module:Class`` of its settings, importable without torch; empty for none
     trained : whether it is trained by the loop of :mod:`visualspeech.models.training`
+    reads : whether its models read input blocks
     role : of its rows, see :data:`visualspeech.models.rows.ROLES`
     grid : settings that may be lists in ``models:``; every combination is a row
     cell : name of such a row, from the settings
@@ -38,6 +39,7 @@ class Family:
     module: str
     settings: str = ""
     trained: bool = False
+    reads: bool = True
     role: str = "model"
     grid: tuple[str, ...] = ()
     cell: Callable[[Mapping], str] = lambda settings: ""
@@ -65,9 +67,11 @@ FAMILIES = {
         role="baseline",
         title=lambda name, settings: f"{settings['context']}-state mean",
     ),
-    "mean": Family("visualspeech.models.mean", role="baseline", title=lambda name, settings: "training mean"),
+    "mean": Family(
+        "visualspeech.models.mean", reads=False, role="baseline", title=lambda name, settings: "training mean"
+    ),
     # Not trained: the true parameters as if they were a prediction. Its error is that of the visual coding alone.
-    "reconstruction": Family("", role="floor", title=lambda name, settings: "reconstruction (floor)"),
+    "reconstruction": Family("", reads=False, role="floor", title=lambda name, settings: "reconstruction (floor)"),
 }
 
 #: Rows that every system has: what a prediction must beat, and the error that none can fall below.
@@ -163,9 +167,16 @@ def _rows_of(key: str, entry: Mapping, blocks, training: Mapping, seeds: Sequenc
                 f"`{where}.reads`: {name!r} is no input block of the system. Known: {', '.join(blocks)}."
                 + did_you_mean(str(name), list(blocks))
             )
+    if family.reads and not reads:
+        raise SettingError(f"`{where}.reads` must name the input blocks that the model reads: {', '.join(blocks)}.")
+    if reads and not family.reads:
+        raise SettingError(f"`{where}.reads` must be left out: the family {entry['family']} reads no input block.")
     if "training" in entry and not family.trained:
         raise SettingError(f"`{where}.training`: the family {entry['family']} is not trained by the training loop.")
     grid = [name for name in family.grid if isinstance(own.get(name), list | tuple)]
+    for name in grid:
+        if not own[name]:
+            raise SettingError(f"`{where}.{name}: []` must have at least one entry.")
     seeded = list(entry.get("seeds", seeds)) if family.trained else list(seeds)[:1]
     rows = []
     for number, seed in enumerate(seeded):

@@ -14,6 +14,7 @@ from visualspeech.planning.corpora import CorpusPlan, plan_corpus
 from visualspeech.planning.systems import (
     absolute_root,
     check_coding,
+    check_speaker,
     complete_system,
     missing_needs,
     read_named,
@@ -59,9 +60,10 @@ def resolve(config: Mapping, folder: Path) -> dict:
     if abs(sum(shares.values()) - 1) > 1e-6:
         raise SettingError(f"`split`: the shares must sum to 1, they sum to {sum(shares.values()):g}.")
     for name in systems:
-        if name in RESERVED:
+        if name.lower() in RESERVED:
             raise SettingError(f"`systems`: {name} is the name of a folder of the results; give the system another.")
     systems = {name: complete_system(system, settings["seed"]) for name, system in systems.items()}
+    check_speaker(settings["speak"], systems)
     return {**settings, "corpora": corpora, "systems": systems, "codings": codings}
 
 
@@ -99,7 +101,13 @@ def _checked(entries: Mapping[str, dict], key: str, schema: Mapping) -> dict[str
         {key: dict(entries)},
         {"type": "object", "properties": {key: {"type": "object", "additionalProperties": schema}}},
     )
-    return {name: fill_defaults(entry, schema) for name, entry in entries.items()}
+    filled = {}
+    for name, entry in entries.items():
+        try:
+            filled[name] = fill_defaults(entry, schema)
+        except SettingError as error:
+            raise SettingError(f"`{key}.{name}`: {error}") from error
+    return filled
 
 
 @dataclass(frozen=True)

@@ -1,11 +1,12 @@
 """The systems of a run: their files with what they extend, their codings, and which corpora they can run on."""
 
 import os
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import fields
 from pathlib import Path
 
 from visualspeech.errors import SettingError
+from visualspeech.evaluation.published_results import published
 from visualspeech.face.aam.model import AamSettings
 from visualspeech.face.point_sets import read_point_set
 from visualspeech.features.blocks.base import block_class, block_kinds
@@ -76,8 +77,9 @@ def extended(given, key: str, folder: Path, override: Mapping, seen: Sequence[st
     name, above = own["name"], own.pop("extends", None)
     if above is not None:
         if not isinstance(above, str) or above in (*seen, name):
-            raise SettingError(f"`{key}.{name}.extends: {above}` must name another file; the chain leads back to it.")
-        own = {**merged(extended(above, key, folder, override, (*seen, name)), own), "name": name}
+            raise SettingError(f"`{key}.{name}.extends: {above}` must name another file that does not lead back to it.")
+        below = extended(above, f"{key}.{name}.extends", folder, override, (*seen, name))
+        own = {**merged(below, own), "name": name}
     return {**merged(own, override.get(name) or {}), "name": name}
 
 
@@ -92,8 +94,12 @@ def read_systems(given: Sequence, codings_override: Mapping, systems_override: M
     systems, codings = {}, {}
     for entry in given:
         system = extended(entry, "systems", folder / "systems", systems_override)
-        if system["name"] in systems:
-            raise SettingError(f"`systems` names {system['name']} more than once; give each once.")
+        if str(system["name"]).lower() in map(str.lower, systems):
+            raise SettingError(f"`systems` names {system['name']} more than once (capitals do not count).")
+        if not system.get("coding"):
+            raise SettingError(
+                f"`systems.{system['name']}` lacks `coding`. Known: {', '.join(_names(folder / 'codings'))}."
+            )
         coding = extended(system.get("coding"), f"systems.{system['name']}.coding", folder / "codings",
                           codings_override)  # fmt: skip
         if codings.setdefault(coding["name"], coding) != coding:
@@ -106,8 +112,8 @@ def read_systems(given: Sequence, codings_override: Mapping, systems_override: M
     return systems, codings
 
 
-def _names(folder: Path) -> set[str]:
-    return {path.stem for path in folder.glob("*.yaml")}
+def _names(folder: Path) -> list[str]:
+    return sorted(path.stem for path in folder.glob("*.yaml"))
 
 
 def _check_override(override: Mapping, key: str, known: set[str]) -> None:
@@ -144,7 +150,12 @@ def complete_system(system: Mapping, seed: int) -> dict:
     models = [row for row in rows if row.role == "model"]
     shown = system["videos"]["model"] or (models[0].name if models else "training_mean")
     _row_named(shown, rows, f"{where}.videos.model")
-    gains = system["tables"]["gains"]
+    tables = system["tables"]
+    published(system["published"])
+    entries = list(dict.fromkeys([*system["models"], *(row.group for row in rows), *(row.name for row in rows)]))
+    for key, names in {"topologies": tables["topologies"], **tables["gains"]}.items():
+        for name in names:
+            _check_known(name, entries, f"{where}.tables.{key if key in tables else f'gains.{key}'}")
     return {
         **{key: value for key, value in system.items() if key not in ("models", "training", "seeds")},
         "seeds": seeds,
@@ -152,12 +163,27 @@ def complete_system(system: Mapping, seed: int) -> dict:
         "rows": [row.plain() for row in rows],
         "videos": {**system["videos"], "model": shown},
         "tables": {
-            **system["tables"],
-            "topologies": _of_groups(system["tables"]["topologies"], rows, f"{where}.tables.topologies"),
-            "gains": {key: _of_groups(names, rows, f"{where}.tables.gains.{key}") for key, names in gains.items()},
+            **tables,
+            "topologies": _of_groups(tables["topologies"], rows),
+            "gains": {key: _of_groups(names, rows) for key, names in tables["gains"].items()},
         },
         "preference": {**system["preference"], "models": _pair(system, shown, rows, where)},
     }
+
+
+def check_speaker(speak: Mapping, systems: Mapping[str, Mapping]) -> None:
+    """Check that ``speak`` names a system of the run and one of its models.
+
+    Raises
+    ------
+    SettingError
+        It does not.
+    """
+    if speak["system"]:
+        _check_known(speak["system"], systems, "speak.system")
+    system = systems[speak["system"] or next(iter(systems))]
+    if speak["model"]:
+        _row_named(speak["model"], [ModelRow.of(row) for row in system["rows"]], "speak.model")
 
 
 def _block(block: Mapping, where: str) -> dict:
@@ -179,7 +205,14 @@ def _block(block: Mapping, where: str) -> dict:
         raise SettingError(f"`{where}`: {error}") from error
 
 
-def _of_groups(names: Sequence[str], rows: Sequence[ModelRow], where: str) -> list[str]:
+def _check_known(name: str, known: Collection[str], where: str) -> None:
+    if name not in known:
+        raise SettingError(
+            f"`{where}: {name}` is unknown. Known: {', '.join(known)}." + did_you_mean(str(name), list(known))
+        )
+
+
+def _of_groups(names: Sequence[str], rows: Sequence[ModelRow]) -> list[str]:
     """Names of the rows that entries of ``models`` ask for; an entry that the system leaves out asks for none."""
     return [row.name for name in names for row in rows if name in (row.group, row.name)]
 
@@ -196,6 +229,8 @@ def _row_named(name: str, rows: Sequence[ModelRow], where: str) -> ModelRow:
 def _pair(system: Mapping, shown: str, rows: Sequence[ModelRow], where: str) -> list[str]:
     """The two models of a preference test: as given, or the shown one and the last reference or baseline."""
     names = system["preference"]["models"]
+    if len(names) == 1:
+        raise SettingError(f"`{where}.preference.models: [{names[0]}]` must name two models, or none for the default.")
     if not names:
         others = [row.name for row in rows if row.role == "model" and row.family != _family(shown, rows)]
         others = others or [row.name for row in rows if row.role == "baseline"]
