@@ -1,6 +1,7 @@
-"""The console command ``visualspeech``: a speaker of a finished run is made to say a text.
+"""The console command ``visualspeech``: synthesises a video in which a speaker of a finished run says a text.
 
-What goes wrong is said in one sentence; the exit status is 2 where the command line has to be changed, else 1.
+Errors are reported in one sentence. The exit status is 2 if the command line must be changed, 130 if the command was
+interrupted, and 1 for any other error.
 """
 
 import argparse
@@ -12,7 +13,7 @@ from pathlib import Path
 from visualspeech.errors import RejectedUtterance, SettingError, VisualSpeechError
 from visualspeech.jobs import log
 
-# torch, dlib and the media libraries are imported when a command runs: help and mistakes are answered at once.
+# torch, dlib and the media libraries are imported only when a command runs, so that help and errors appear at once.
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -26,22 +27,22 @@ def main(arguments: Sequence[str] | None = None) -> int:
     try:
         given.run(given)
     except VisualSpeechError as error:
-        said = str(error)
+        message = str(error)
         if isinstance(error, RejectedUtterance):
-            said = f"{given.audio}: {error.reason}. {error.remedy}".strip()
-        print(f"visualspeech: {said}", file=sys.stderr)
+            message = f"{given.audio}: {error.reason}. {error.remedy}".strip()
+        print(f"visualspeech: {message}", file=sys.stderr)
         return 2 if isinstance(error, SettingError) else 1
     except KeyboardInterrupt:
         print("visualspeech: stopped; nothing was written.", file=sys.stderr)
         return 130
     except MemoryError:
-        print("visualspeech: out of memory. Give a shorter text, or a background of smaller pictures.", file=sys.stderr)
+        print("visualspeech: out of memory. Give a shorter text, or a background of smaller frames.", file=sys.stderr)
         return 1
     except Exception as error:
         if given.debug:
             raise
         print(
-            f"visualspeech: unexpected error: {error!r}. Run again with --debug and report what it shows.",
+            f"visualspeech: unexpected error: {error!r}. Run again with --debug and report the output.",
             file=sys.stderr,
         )
         return 1
@@ -58,7 +59,7 @@ def _parser() -> argparse.ArgumentParser:
     )
     speak.add_argument(
         "--model", required=True, type=Path, metavar="FOLDER",
-        help="the speaker: a folder that the workflow's target `speaker` has written",
+        help="the speaker: a folder written by the workflow's target `speaker`",
     )  # fmt: skip
     speak.add_argument("--text", help="what to say; with --audio, what is said in the recording")
     speak.add_argument(
@@ -67,10 +68,12 @@ def _parser() -> argparse.ArgumentParser:
     speak.add_argument("--audio", type=Path, metavar="FILE", help="a recording of speech that gives the voice")
     speak.add_argument("-o", "--output", required=True, type=Path, metavar="FILE.mp4", help="the video to write")
     speak.add_argument("--voice", default="en-us", help="English voice of eSpeak NG (default: %(default)s)")
-    speak.add_argument("--speed", type=int, default=150, help="words a minute, 80 to 450 (default: %(default)s)")
+    speak.add_argument("--speed", type=int, default=150, help="words per minute, 80 to 450 (default: %(default)s)")
     speak.add_argument("--pitch", type=int, default=45, help="0 to 100 (default: %(default)s)")
-    speak.add_argument("--seed", type=int, default=0, help="of the way through the background (default: %(default)s)")
-    speak.add_argument("--no-label", action="store_true", help="leave out the small label `synthetic` in the pictures")
+    speak.add_argument(
+        "--seed", type=int, default=0, help="seed of the order of the background frames (default: %(default)s)"
+    )
+    speak.add_argument("--no-label", action="store_true", help="leave out the small label `synthetic` in the frames")
     speak.add_argument("--quiet", action="store_true", help="no progress lines")
     speak.add_argument("--debug", action="store_true", help=argparse.SUPPRESS)
     speak.set_defaults(run=_speak)
@@ -102,7 +105,7 @@ def _speak(given: argparse.Namespace) -> None:
     bundle = SpeakerBundle.load(given.model)
     if given.audio:
         if text is None:
-            log.info("the lips follow the phones that are recognised; give what is said with --text for better ones")
+            log.info("the lips follow recognised phones; for better ones, give what is said with --text")
         spoken = speak_recording(given.audio, text, bundle.trained.rate, shares=bundle.shares)
         voice = f"recording {given.audio.name}, as given"
     else:
@@ -126,7 +129,7 @@ def _text(given: argparse.Namespace) -> str | None:
                 return sys.stdin.read()
             return given.text_file.read_text(encoding="utf-8-sig")
         except (OSError, UnicodeDecodeError) as error:
-            reason = getattr(error, "strerror", None) or "it is no UTF-8 text"
+            reason = getattr(error, "strerror", None) or "it is not UTF-8 text"
             raise SettingError(f"cannot read --text-file {given.text_file}: {reason}.") from error
     if given.audio is not None:
         return None

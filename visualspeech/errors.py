@@ -1,8 +1,8 @@
-"""Errors whose message is meant for a person: what is wrong, where, and what to do."""
+"""Errors that are shown to the user; their messages say what is wrong, where, and what to do."""
 
 
 class VisualSpeechError(Exception):
-    """Base of every error that a user can mend; shown as one message, without a traceback."""
+    """Base of every error that the user can fix; shown as one message without a traceback."""
 
 
 class SettingError(VisualSpeechError):
@@ -14,20 +14,20 @@ class CorpusError(VisualSpeechError):
 
 
 class StorageError(VisualSpeechError):
-    """A file cannot be read or written as it should."""
+    """A file cannot be read or written, or does not hold what it should."""
 
 
 class DataError(VisualSpeechError):
-    """Streams that belong together do not fit (lengths, rates, dimensions)."""
+    """Data that belong together do not match (lengths, rates, dimensions)."""
 
 
 class RejectedUtterance(VisualSpeechError):
-    """One utterance cannot be used; the corpus goes on without it.
+    """One utterance cannot be used; the run continues without it.
 
     Parameters
     ----------
-    reason : what is wrong with it, for a person
-    remedy : what the person can do about it
+    reason : what is wrong with the utterance
+    remedy : what the user can do about it
     """
 
     def __init__(self, reason: str, remedy: str = "") -> None:

@@ -1,8 +1,8 @@
-"""Settings as frozen dataclasses: the default, the bounds and the description of a field stand in one place, beside it.
+"""Settings as frozen dataclasses whose fields state their own default, bounds and description.
 
 The library checks a value when the dataclass is built; the workflow derives its schema from the same fields
-(:func:`section_schema`) and reports every mistake before a job starts. A settings class stands beside the functions
-that read it; where their module imports a heavy library (video, networks), in a module of its own, named
+(:func:`section_schema`) and reports every error before a job starts. A settings class is defined beside the functions
+that read it. If their module imports a heavy library (video, networks), the class has its own module, named
 ``<module>_settings``, so that planning a run stays fast.
 """
 
@@ -15,14 +15,14 @@ from typing import ClassVar, get_args, get_origin, get_type_hints
 
 from visualspeech.errors import SettingError, StorageError
 
-#: Keyword of :func:`setting` -> keyword of JSON Schema, the test, and how a message says it.
+#: Keyword of :func:`setting` -> keyword of JSON Schema, test of a value, wording in messages.
 _BOUNDS = {
     "minimum": ("minimum", lambda value, bound: value >= bound, "at least {}"),
     "above": ("exclusiveMinimum", lambda value, bound: value > bound, "above {}"),
     "maximum": ("maximum", lambda value, bound: value <= bound, "at most {}"),
     "below": ("exclusiveMaximum", lambda value, bound: value < bound, "below {}"),
 }
-#: Largest seed: what every generator of random numbers takes.
+#: Largest seed, within the range of every random number generator in use.
 MAX_SEED = 999_999_999
 _TYPES = {bool: "boolean", int: "integer", float: "number", str: "string"}
 
@@ -32,11 +32,11 @@ def setting(default, description: str, *, choices: Collection = (), item: Mappin
 
     Parameters
     ----------
-    default : value where none is given; a mutable one is copied
+    default : value if none is given; a mutable one is copied
     description : one sentence with the unit, shown in messages and in the schema
-    choices : the values that are allowed; any where empty. A registry (a mapping by name) is read when it is asked
-    item : of a list, the rules of its entries as keywords of this function (``minimum``, ``choices``, ...) with their
-        ``description``; of a mapping, its JSON Schema
+    choices : allowed values; empty for any. A registry (a mapping by name) is read at each check
+    item : for a list, the rules of its entries as keywords of this function (``minimum``, ``choices``, ...) with their
+        ``description``; for a mapping, its JSON Schema
     bounds : ``minimum``, ``maximum``, ``above``, ``below`` of a number; ``min_items`` and ``unique`` of a list;
         ``min_length`` of a text
 
@@ -55,14 +55,14 @@ def setting(default, description: str, *, choices: Collection = (), item: Mappin
 
 
 class Settings:
-    """Base of settings dataclasses: every field is checked when one is built.
+    """Base of settings dataclasses; all fields are checked when an instance is built.
 
     A list given for a tuple becomes one, and a mapping given for a nested settings dataclass builds it.
 
     Raises
     ------
     SettingError
-        A value is out of bounds, no allowed choice, or of the wrong type.
+        A value is out of bounds, not among the choices, or of the wrong type.
     """
 
     #: Section of the run's settings that messages name, for example ``pose``.
@@ -81,7 +81,7 @@ class Settings:
 
 
 def setting_error(cls, name: str, value, rule: str) -> SettingError:
-    """An error that says of a field's value what it must be: `` `pose.noise: 0` must be <rule>. <description>``."""
+    """The error for an invalid value of a field: `` `pose.noise: 0` must be <rule>. <description>``."""
     key = f"{cls.section}.{name}" if cls.section else name
     shown = list(value) if isinstance(value, tuple) else value
     description = next((metadata["description"] for one, _, metadata in described_fields(cls) if one == name), "")
@@ -90,13 +90,13 @@ def setting_error(cls, name: str, value, rule: str) -> SettingError:
 
 @cache
 def described_fields(cls) -> tuple[tuple[str, type, Mapping], ...]:
-    """Name, type and metadata (see :func:`setting`) of each field of a settings dataclass that is described."""
+    """Name, type and metadata of each field of a settings dataclass that :func:`setting` made."""
     hints = get_type_hints(cls)
     return tuple((one.name, hints[one.name], one.metadata) for one in fields(cls) if one.metadata)
 
 
 def _broken_rule(value, kind, metadata: Mapping) -> str:
-    """What a value must be and is not; empty where it is."""
+    """The rule that a value breaks, in words; empty if it breaks none."""
     if is_dataclass(kind):
         return "" if isinstance(value, kind) else "lines of `key: value`"
     if get_origin(kind) in (tuple, list):
@@ -116,16 +116,16 @@ def _broken_rule(value, kind, metadata: Mapping) -> str:
 
 
 def _range(metadata: Mapping) -> str:
-    """All limits of a number: ``at least 1 and at most 20``; empty where it has none."""
+    """All bounds of a number in words, ``at least 1 and at most 20``; empty if it has none."""
     return " and ".join(words.format(metadata[name]) for name, (*_, words) in _BOUNDS.items() if name in metadata)
 
 
 def _broken_list_rule(values, kind, metadata: Mapping) -> str:
     if not isinstance(values, tuple | list):
         return "a list"
-    least = metadata.get("min_items", 0)
-    if len(values) < least:
-        return f"a list of at least {least} {'entry' if least == 1 else 'entries'}"
+    minimum = metadata.get("min_items", 0)
+    if len(values) < minimum:
+        return f"a list of at least {minimum} {'entry' if minimum == 1 else 'entries'}"
     for value in values:
         rule = _broken_rule(value, kind, metadata["item"])
         if rule:
@@ -163,7 +163,7 @@ def section_schema(cls, description: str = "", hidden: Sequence[str] = ()) -> di
 
 
 def _default_keyword(cls, name: str, kind) -> dict:
-    """The schema's keyword ``default``; a nested dataclass has it at its own fields."""
+    """The schema's keyword ``default``; empty for a nested dataclass, whose own fields have it."""
     default = next(default_of(one) for one in fields(cls) if one.name == name)
     return {} if is_dataclass(kind) else {"default": _plain(default)}
 
@@ -183,35 +183,37 @@ def _field_schema(kind, metadata: Mapping) -> dict:
         schema |= {"type": "array", "items": _field_schema(get_args(kind)[0], metadata["item"])}
         schema |= {"minItems": metadata["min_items"]} if "min_items" in metadata else {}
         schema |= {"uniqueItems": True} if metadata.get("unique") else {}
-    else:  # a mapping: its own schema is given
+    else:  # a mapping, whose schema is given by its field
         schema |= metadata["item"] or {"type": "object"}
     schema |= {"minLength": metadata["min_length"]} if "min_length" in metadata else {}
     return schema | {keyword: metadata[name] for name, (keyword, _, _) in _BOUNDS.items() if name in metadata}
 
 
 def with_defaults(cls, given: Mapping, hidden: Sequence[str] = ()) -> dict:
-    """All fields of a section as plain data (lists, not tuples): what is given, and the defaults of what is not.
+    """All fields of a section as plain data (lists, not tuples): the given values, and defaults for the others.
 
     Raises
     ------
     SettingError
-        As :class:`Settings`, or a key is unknown.
+        A key is unknown, or a value is invalid (see :class:`Settings`).
     """
     return {name: value for name, value in _plain(asdict(_built(cls, given))).items() if name not in hidden}
 
 
 def restored(cls, stored: Mapping, path):
-    """Settings that a model file holds.
+    """Settings of the class ``cls`` as stored in the model file ``path``.
 
     Raises
     ------
     StorageError
-        They are not those of this version of the library.
+        They do not match this version of the library.
     """
     try:
         return _built(cls, stored)
     except SettingError as error:
-        raise StorageError(f"{path} was written by another version of this library ({error}) Make it anew.") from error
+        raise StorageError(
+            f"{path} was written by another version of this library ({error}) Delete it and run again to recreate it."
+        ) from error
 
 
 def _built(cls, given: Mapping):

@@ -1,4 +1,4 @@
-"""What every job shares: a log that is also the terminal, progress lines, and errors that speak to people."""
+"""Shared by all jobs: logging to the terminal and to a file, progress lines, and errors shown without a traceback."""
 
 import logging
 import os
@@ -14,8 +14,8 @@ from visualspeech.errors import VisualSpeechError
 
 log = logging.getLogger("visualspeech")
 
-
-#: OpenCV has threads of its own, which cost more than they bring on pictures of faces.
+#: Variables that set the number of threads of numeric libraries. OpenCV's own threads cost more than they save on
+#: images of faces.
 THREAD_VARIABLES = (
     "OMP_NUM_THREADS",
     "OPENBLAS_NUM_THREADS",
@@ -26,28 +26,28 @@ THREAD_VARIABLES = (
 
 
 def settle_environment(root: str | Path) -> None:
-    """Set what every job that this process starts inherits.
+    """Set the environment variables that every job started by this process inherits.
 
-    One thread a job, whatever the machine: the same numbers with one core and with two, and small networks train
-    faster so. And the library beside the Snakefile, in the folder ``root``, is the one that jobs find; the report names
-    the command line of the run.
+    One thread per job on every machine: figures do not depend on the number of cores, and small networks train faster
+    with one. ``PYTHONPATH`` begins with ``root``, the folder of the Snakefile, so that jobs use the library beside it;
+    ``VISUALSPEECH_COMMAND`` holds the command line of the run for the report.
     """
     os.environ.setdefault("VISUALSPEECH_COMMAND", shlex.join([Path(sys.argv[0]).name, *sys.argv[1:]]))
     os.environ.update(dict.fromkeys(THREAD_VARIABLES, "1"))
-    places = [str(root), *os.environ.get("PYTHONPATH", "").split(os.pathsep)]
-    os.environ["PYTHONPATH"] = os.pathsep.join(dict.fromkeys(filter(None, places)))
+    folders = [str(root), *os.environ.get("PYTHONPATH", "").split(os.pathsep)]
+    os.environ["PYTHONPATH"] = os.pathsep.join(dict.fromkeys(filter(None, folders)))
 
 
 @contextmanager
 def job(log_path: str | Path) -> Iterator[None]:
-    """Run the body of a workflow script: messages go to the terminal and to ``log_path``.
+    """Run the body of a workflow script; messages go to the terminal and to the file ``log_path``.
 
-    A :class:`VisualSpeechError` is shown as its message alone and ends the process with status 1. Anything else is a
-    defect: the terminal names the log, and the log holds the traceback.
+    A :class:`VisualSpeechError` is shown as its message and ends the process with status 1. Any other exception is a
+    defect: its traceback goes to the log file, and the terminal names that file.
     """
     Path(log_path).parent.mkdir(parents=True, exist_ok=True)
     path = Path(log_path)
-    # A shard or model is named after its stage.
+    # The log of a shard or of a model lies in a folder named after the stage.
     name = path.stem if path.parent.name == "logs" else f"{path.parent.name} {path.stem}"
     file = logging.FileHandler(log_path, mode="w", encoding="utf-8")
     terminal = logging.StreamHandler(sys.stderr)
@@ -77,7 +77,13 @@ def job(log_path: str | Path) -> Iterator[None]:
 
 
 def progress(items: Iterable, total: int, unit: str, every: float = 3.0) -> Iterator:
-    """Yield the items, with a log line every few seconds: how many are done, of how many, how fast, how long still."""
+    """Yield the items; log every ``every`` seconds how many are done, the total, the speed and the time left.
+
+    Parameters
+    ----------
+    total : number of items
+    unit : what the items are, for the log
+    """
     start = last = time.monotonic()
     done = 0
     for item in items:

@@ -23,15 +23,15 @@ def file_digest(path: str | Path) -> str:
 
 
 def commit() -> str:
-    """Commit of the checkout that this package lies in, marked where files differ from it; empty outside of one."""
+    """Commit of the checkout that holds this package, marked as dirty where files differ; empty outside a checkout."""
     import subprocess
 
-    question = ["git", "-C", str(PACKAGE), "describe", "--always", "--dirty"]
+    describe = ["git", "-C", str(PACKAGE), "describe", "--always", "--dirty"]
     try:
-        found = subprocess.run(question, capture_output=True, text=True, check=True)
+        done = subprocess.run(describe, capture_output=True, text=True, check=True)
     except (OSError, subprocess.CalledProcessError):
         return ""
-    return found.stdout.strip()
+    return done.stdout.strip()
 
 
 def command() -> str:
@@ -45,16 +45,16 @@ def split_hash(split: Mapping[str, str]) -> str:
 
 
 def code_digest(script: str | Path, *modules: str, data: Iterable[str | Path] = ()) -> str:
-    """Digest of a script and of every module of this package that it reaches, without docstrings and comments.
+    """Digest of a script and of every module of this package that it imports, without docstrings and comments.
 
-    Follows imports inside the package with :mod:`ast`, the lazy ones inside functions too, so that a rule re-runs when
-    the code it uses changes and not when other code does. Data of the package (templates, published figures) count with
-    the modules that name their folder.
+    Imports inside the package are followed with :mod:`ast`, also those inside functions, so a rule runs again when code
+    that it uses changes and not when other code does. Data files of the package (templates, published figures) are
+    included with the modules that name their folder.
 
     Parameters
     ----------
-    modules : further modules of this package, by their dotted names, that the script imports by name at run time
-    data : further files that it reads
+    modules : dotted names of further modules of this package, which the script imports by name at run time
+    data : further files that the script reads
     """
     reached: set[Path] = set()
     waiting = [Path(script).resolve(), *(_module(name) for name in modules)]
@@ -91,7 +91,7 @@ def _syntax(path: Path) -> str:
 
 @cache
 def _data(path: Path) -> tuple[Path, ...]:
-    """The files of every folder beside a module that it names and that is no package."""
+    """The files of every folder beside a module that the module names and that is not a package."""
     named = {node.value for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))) if _is_name(node)}
     folders = (path.parent / name for name in sorted(named))
     found = (folder for folder in folders if folder.is_dir() and not (folder / "__init__.py").exists())

@@ -1,4 +1,4 @@
-"""Settings files: plain data, read and laid over each other."""
+"""Settings files: read as plain data and merged in layers."""
 
 from collections.abc import Mapping
 from copy import deepcopy
@@ -15,7 +15,7 @@ def read_yaml(path: Path) -> dict:
     Raises
     ------
     SettingError
-        The file is missing, not YAML, or no mapping.
+        The file is missing, not YAML, or not a mapping.
     """
     try:
         data = yaml.safe_load(path.read_text(encoding="utf-8"))
@@ -28,16 +28,16 @@ def read_yaml(path: Path) -> dict:
     return data
 
 
-#: Two ways to say one thing: a layer that says it one way replaces the other way of the layers below.
+#: Keys that exclude each other: a layer that gives keys of one set drops the keys of the other set from lower layers.
 ALTERNATIVES = ({"energy", "at_most"}, {"components"})
 
 
 def merged(base: Mapping, over: Mapping) -> dict:
-    """``over`` laid over ``base``: mappings merge key by key, anything else is replaced. Neither is changed."""
+    """A copy of ``base`` updated with ``over``: mappings are merged key by key, anything else is replaced."""
     result = deepcopy(dict(base))
-    for one, other in (ALTERNATIVES, ALTERNATIVES[::-1]):
-        if one & set(over):
-            result = {key: value for key, value in result.items() if key not in other}
+    for given, excluded in (ALTERNATIVES, ALTERNATIVES[::-1]):
+        if given & set(over):
+            result = {key: value for key, value in result.items() if key not in excluded}
     for key, value in over.items():
         below = result.get(key)
         result[key] = (

@@ -1,8 +1,8 @@
-"""The only reader and writer of the project's files.
+"""The only module that reads and writes the project's files.
 
-Tables are TSV, arrays HDF5 (one file a shard, one group an utterance), models safetensors with their settings as JSON
-metadata. Every file is written beside its name and renamed into place, so that a killed job leaves nothing
-half-written under a name that another job reads. Nothing here unpickles or executes what it reads.
+Tables are TSV, arrays HDF5 (one file per shard, one group per utterance), models safetensors with their settings as
+JSON metadata. Every file is written under a temporary name in its folder and renamed into place, so a killed job never
+leaves a half-written file under a name that another job reads. Nothing that is read is unpickled or executed.
 """
 
 import json
@@ -18,7 +18,7 @@ import numpy as np
 from visualspeech.errors import StorageError
 
 
-def _explain(error: OSError, path: Path) -> StorageError:
+def _write_error(error: OSError, path: Path) -> StorageError:
     reason = os.strerror(error.errno) if error.errno else error.strerror or str(error)
     return StorageError(
         f"cannot write {path}: {reason}. Check that the folder exists, that you may write to it and that the disk is "
@@ -28,9 +28,9 @@ def _explain(error: OSError, path: Path) -> StorageError:
 
 @contextmanager
 def replacing(path: str | Path) -> Iterator[Path]:
-    """Yield a temporary path beside ``path``; rename it into place when the block succeeds.
+    """Yield a temporary path in the folder of ``path``; rename it to ``path`` when the block succeeds.
 
-    The temporary path keeps the suffix of ``path`` (libraries choose formats by it) and is removed on failure.
+    The temporary path keeps the suffix of ``path``, by which libraries choose the format, and is removed on failure.
     Works for files and for folders (create the folder at the yielded path).
 
     Raises
@@ -43,7 +43,7 @@ def replacing(path: str | Path) -> Iterator[Path]:
     try:
         try:
             path.parent.mkdir(parents=True, exist_ok=True)
-            # One fixed name: what a killed job left there is replaced by the next, and nothing piles up.
+            # The name is fixed, so that the next run replaces what a killed job left behind.
             temporary = path.with_name(f".partial.{path.name}")
             _remove(temporary)
             yield temporary
@@ -51,34 +51,34 @@ def replacing(path: str | Path) -> Iterator[Path]:
                 _remove(path)
             os.replace(temporary, path)
         except OSError as error:
-            if _concerns_another(error, path, temporary):
+            if _is_unrelated(error, path, temporary):
                 raise
-            raise _explain(error, path) from error
+            raise _write_error(error, path) from error
     finally:
         if temporary is not None:
             _remove(temporary)
 
 
 def check_writable(path: str | Path) -> None:
-    """Find out before long work whether :func:`replacing` will be able to write a file; nothing stays behind.
+    """Check, before long work, that :func:`replacing` will be able to write a file; leaves nothing behind.
 
     Raises
     ------
     StorageError
-        It will not.
+        The file cannot be written.
     """
     path = Path(path)
-    folder = next((one for one in path.absolute().parents if one.exists()), Path("/"))
+    folder = next((parent for parent in path.absolute().parents if parent.exists()), Path("/"))
     try:
-        # What root may do, the mode of a folder does not tell.
+        # The permissions of a folder do not say what root may write, so writing is tried.
         with TemporaryFile(dir=folder):
             pass
     except OSError as error:
-        raise _explain(error, path) from error
+        raise _write_error(error, path) from error
 
 
-def _concerns_another(error: OSError, path: Path, temporary: Path | None) -> bool:
-    """Whether an error names a file that has nothing to do with writing ``path``, such as one that is being read."""
+def _is_unrelated(error: OSError, path: Path, temporary: Path | None) -> bool:
+    """Whether an error is about a file other than ``path`` and its temporary file, for example one that is read."""
     if not isinstance(error.filename, str | bytes | os.PathLike):
         return False
     named = Path(os.fsdecode(error.filename))
@@ -100,7 +100,7 @@ def write_text(path: str | Path, text: str) -> None:
 
 
 def copy_file(source: str | Path, path: str | Path) -> None:
-    """Copy a file; raises :class:`StorageError` where it is missing, or as :func:`replacing`."""
+    """Copy a file; raises :class:`StorageError` if it is missing, and as :func:`replacing`."""
     if not Path(source).is_file():
         raise StorageError(f"cannot read {source}: there is no such file.")
     with replacing(path) as temporary:
@@ -113,12 +113,12 @@ def read_text(path: str | Path) -> str:
     Raises
     ------
     StorageError
-        The file is missing or no such text.
+        The file is missing or not UTF-8 text.
     """
     try:
         return Path(path).read_text(encoding="utf-8")
     except (OSError, UnicodeDecodeError) as error:
-        raise StorageError(f"cannot read {path}: {error}. Delete it and run again to make it anew.") from error
+        raise StorageError(f"cannot read {path}: {error}. Delete it and run again to recreate it.") from error
 
 
 def table_text(table) -> str:
@@ -134,8 +134,13 @@ def write_table(path: str | Path, table) -> None:
 def read_table(path: str | Path, text_columns: tuple[str, ...] = ("id",)):
     """Read a TSV written by :func:`write_table`; ``text_columns`` stay text even where they look like numbers.
 
-    Empty cells of text columns read back as empty strings, of other columns as NaN. A word such as "null" or "NA" is a
-    word and stays one.
+    Empty cells of text columns become empty strings, those of other columns NaN. Words such as "null" and "NA" are
+    read as text, not as missing values.
+
+    Raises
+    ------
+    StorageError
+        The file is missing or not a table.
     """
     import pandas
 
@@ -187,7 +192,7 @@ class ArrayWriter:
             self._file.attrs.update(self._attributes)
         except OSError as error:
             self._context.__exit__(type(error), error, error.__traceback__)
-            raise _explain(error, self.path) from error
+            raise _write_error(error, self.path) from error
         return self
 
     def add(
@@ -211,9 +216,9 @@ class ArrayWriter:
         try:
             if self._file is not None:
                 self._file.close()
-        except (OSError, RuntimeError) as full:  # closing a file on a full disk raises either
+        except (OSError, RuntimeError) as unclosed:  # closing a file on a full disk raises either
             if not isinstance(error, OSError):
-                error = full if isinstance(full, OSError) else OSError(str(full))
+                error = unclosed if isinstance(unclosed, OSError) else OSError(str(unclosed))
                 kind, trace = type(error), error.__traceback__
         self._context.__exit__(kind, error, trace)
 
@@ -221,8 +226,13 @@ class ArrayWriter:
 class ArrayReader:
     """Reads what :class:`ArrayWriter` wrote, utterance by utterance.
 
-    ``reader.ids`` lists the utterances; ``reader[id]`` returns a dict of arrays; ``reader.rate(id)`` the frame rate;
-    ``reader.attributes(id)`` all attributes of an utterance.
+    ``reader.ids`` lists the utterances; ``reader[id]`` returns a dict of arrays, ``reader.rate(id)`` the frame rate in
+    Hz, ``reader.attributes(id)`` all attributes of an utterance.
+
+    Raises
+    ------
+    StorageError
+        The file is missing or not HDF5; on access, it does not hold the utterance.
     """
 
     def __init__(self, path: str | Path) -> None:
@@ -232,7 +242,7 @@ class ArrayReader:
         try:
             self._file = h5py.File(self.path, "r")
         except OSError as error:
-            raise StorageError(f"cannot read {path}: {error}. Delete it and run again to make it anew.") from error
+            raise StorageError(f"cannot read {path}: {error}. Delete it and run again to recreate it.") from error
 
     def __enter__(self) -> "ArrayReader":
         return self
@@ -251,11 +261,11 @@ class ArrayReader:
         return {name: data[()] for name, data in self._group(utterance_id).items()}
 
     def array(self, utterance_id: str, name: str, rows=slice(None)) -> np.ndarray:
-        """One array of one utterance, or the given rows of it."""
+        """One array of one utterance, or some of its rows."""
         return self._group(utterance_id)[name][rows]
 
     def length(self, utterance_id: str, name: str) -> int:
-        """Number of rows of an array, without reading it."""
+        """Number of rows of an array; the array is not read."""
         return self._group(utterance_id)[name].shape[0]
 
     def rate(self, utterance_id: str) -> float:
@@ -276,7 +286,7 @@ class ArrayCollection:
 
     def __init__(self, paths) -> None:
         self._readers = [ArrayReader(path) for path in paths]
-        self._home = {name: reader for reader in self._readers for name in reader.ids}
+        self._reader_of = {name: reader for reader in self._readers for name in reader.ids}
 
     def __enter__(self) -> "ArrayCollection":
         return self
@@ -287,10 +297,10 @@ class ArrayCollection:
 
     @property
     def ids(self) -> list[str]:
-        return sorted(self._home)
+        return sorted(self._reader_of)
 
     def __contains__(self, utterance_id: str) -> bool:
-        return utterance_id in self._home
+        return utterance_id in self._reader_of
 
     def reader(self, utterance_id: str) -> ArrayReader:
         """The shard that holds an utterance.
@@ -300,10 +310,10 @@ class ArrayCollection:
         StorageError
             No shard holds it.
         """
-        if utterance_id not in self._home:
-            places = ", ".join(str(reader.path) for reader in self._readers)
-            raise StorageError(f"no utterance {utterance_id!r} in {places}. Delete these files and run again.")
-        return self._home[utterance_id]
+        if utterance_id not in self._reader_of:
+            paths = ", ".join(str(reader.path) for reader in self._readers)
+            raise StorageError(f"no utterance {utterance_id!r} in {paths}. Delete these files and run again.")
+        return self._reader_of[utterance_id]
 
     def __getitem__(self, utterance_id: str) -> dict[str, np.ndarray]:
         return self.reader(utterance_id)[utterance_id]
@@ -322,17 +332,17 @@ def write_model(path: str | Path, tensors: Mapping[str, np.ndarray], settings: M
     """Write a model as safetensors: named arrays, and its settings as JSON metadata."""
     from safetensors.numpy import save
 
-    # Not ascontiguousarray, which would make a vector of a single number.
+    # np.ascontiguousarray would turn a scalar into a vector.
     arrays = {name: np.asarray(values, order="C") for name, values in sorted(tensors.items())}
     content = save(arrays, metadata={"settings": json.dumps(settings, sort_keys=True)})
-    # Written here and not by safetensors, whose own files nobody but their owner may read.
+    # safetensors would write a file that only its owner may read.
     with replacing(path) as temporary:
         temporary.write_bytes(content)
 
 
 @contextmanager
 def _opened_model(path: str | Path):
-    """An opened model file; errors of reading it become a :class:`StorageError`."""
+    """An opened model file; errors while it is read become a :class:`StorageError`."""
     from safetensors import SafetensorError, safe_open
 
     try:
@@ -340,7 +350,7 @@ def _opened_model(path: str | Path):
             yield file
     except (OSError, SafetensorError, KeyError, ValueError) as error:
         raise StorageError(
-            f"{path} is not a model of this project ({error!r}). Give the .safetensors file that a run has written."
+            f"{path} is not a model of this project ({error!r}). Give a .safetensors file that a run has written."
         ) from error
 
 
@@ -350,7 +360,7 @@ def read_model(path: str | Path) -> tuple[dict[str, np.ndarray], dict]:
     Raises
     ------
     StorageError
-        The file is missing, not safetensors, or carries no settings.
+        The file is missing, not safetensors, or holds no settings.
     """
     with _opened_model(path) as file:
         tensors = {name: file.get_tensor(name) for name in file.keys()}
@@ -358,7 +368,7 @@ def read_model(path: str | Path) -> tuple[dict[str, np.ndarray], dict]:
 
 
 def read_shapes(path: str | Path) -> dict[str, tuple[int, ...]]:
-    """Shapes of the arrays of a model, by name, from the header of the file; raises as :func:`read_model`."""
+    """Shapes of a model's arrays by name, from the header of the file; raises as :func:`read_model`."""
     with _opened_model(path) as file:
         return {name: tuple(file.get_slice(name).get_shape()) for name in file.keys()}
 
@@ -372,19 +382,19 @@ def read_model_settings(path: str | Path) -> dict:
 def read_model_of(
     path: str | Path, what: str, kinds: Collection[str | None], arrays: Collection[str] = (), family: str = ""
 ) -> tuple[dict[str, np.ndarray], dict]:
-    """Read a model as :func:`read_model` does, if it is one of the kinds wanted.
+    """Read a model as :func:`read_model` does and check its kind.
 
     Parameters
     ----------
-    what : name of the kind in messages
-    kinds : what ``kind`` in its settings may be; None is a model whose settings name no kind
-    arrays : arrays that it must hold
-    family : of models; empty: any
+    what : name of the expected kind in messages
+    kinds : allowed values of ``kind`` in its settings; None stands for settings without a kind
+    arrays : names of arrays that it must hold
+    family : required family of models; empty for any
 
     Raises
     ------
     StorageError
-        The file is missing, no model, or a model of another kind or family.
+        The file is missing, not a model, or a model of another kind or family.
     """
     tensors, settings = read_model(path)
     other = settings.get("kind") not in kinds or (family and settings.get("family") != family)
@@ -394,5 +404,5 @@ def read_model_of(
 
 
 def part_of(tensors: Mapping[str, np.ndarray], part: str) -> dict[str, np.ndarray]:
-    """Of arrays named ``part.name`` those of one part, by the rest of their names."""
+    """The arrays whose names begin with ``part.``, by the rest of their names."""
     return {name.removeprefix(f"{part}."): values for name, values in tensors.items() if name.startswith(f"{part}.")}

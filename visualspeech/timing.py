@@ -17,6 +17,6 @@ def interval_of_frame(starts: np.ndarray, times: np.ndarray) -> np.ndarray:
     """Index of the interval each time falls into.
 
     Intervals follow each other without gaps and begin at ``starts`` (ascending seconds); times before the first belong
-    to the first, times after the last start to the last. This is the one place that decides which label a frame has.
+    to the first, times after the last start to the last. Every assignment of labels to frames uses this function.
     """
     return np.clip(np.searchsorted(starts, times, side="right") - 1, 0, len(starts) - 1)
