@@ -81,7 +81,7 @@ class Settings:
 
 
 def setting_error(cls, name: str, value, rule: str) -> SettingError:
-    """The error for an invalid value of a field: `` `pose.noise: 0` must be <rule>. <description>``."""
+    """An error that says of a field's value what it must be: `` `pose.noise: 0` must be <rule>. <description>``."""
     key = f"{cls.section}.{name}" if cls.section else name
     shown = list(value) if isinstance(value, tuple) else value
     description = next((metadata["description"] for one, _, metadata in described_fields(cls) if one == name), "")
@@ -190,7 +190,7 @@ def _field_schema(kind, metadata: Mapping) -> dict:
 
 
 def with_defaults(cls, given: Mapping, hidden: Sequence[str] = ()) -> dict:
-    """All fields of a section as plain data (lists, not tuples): the given values, and defaults for the others.
+    """All fields of a section as plain data (lists, not tuples): what is given, and the defaults of what is not.
 
     Raises
     ------
