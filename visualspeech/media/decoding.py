@@ -1,4 +1,4 @@
-"""Decoding by time: the pictures and the sound of a recording, or of a part of it, whatever its container does."""
+"""Decoding by time: the frames and the sound of a recording or of a segment of it, whatever its container."""
 
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager, suppress
@@ -11,15 +11,15 @@ from visualspeech.errors import RejectedUtterance
 from visualspeech.timing import frames_in
 
 UNREADABLE = "Play the file in a media player; copy or convert it again (H.264 video and AAC sound in MP4 is safe)."
-SOUND_GAP = 0.04  # seconds of missing sound from which on it is filled with silence instead of closed up
-SEEK_FROM = 20.0  # seconds into a recording from which on seeking pays
-LONGEST_GAP = 10.0  # seconds; a time stamp further ahead is taken for an error
-BEFORE = 12.0  # seconds to land before the part: containers without an index need a key frame in between
+MIN_SOUND_GAP = 0.04  # seconds; longer gaps in the sound are filled with silence, shorter ones are closed
+MIN_SEEK_TIME = 20.0  # seconds; segments that begin earlier are decoded from the beginning of the recording
+MAX_GAP = 10.0  # seconds; a time stamp further ahead is treated as an error
+SEEK_MARGIN = 12.0  # seconds before the segment to seek to: containers without an index need a key frame in between
 
 
 @contextmanager
-def opened(path: str | Path) -> Iterator:
-    """A container, with every error of opening and reading it as a :class:`RejectedUtterance`."""
+def open_media(path: str | Path) -> Iterator:
+    """An opened container; errors of opening and reading it become a :class:`RejectedUtterance`."""
     try:
         with av.open(str(path)) as container:
             yield container
@@ -27,8 +27,8 @@ def opened(path: str | Path) -> Iterator:
         raise RejectedUtterance("the file does not exist", "Correct its name, or bring the file back.") from error
     except (av.FFmpegError, OSError) as error:
         empty = Path(path).is_file() and Path(path).stat().st_size == 0
-        said = "empty: 0 bytes" if empty else short(error)
-        raise RejectedUtterance(f"unreadable media file ({said})", UNREADABLE) from error
+        reason = "empty: 0 bytes" if empty else short_message(error)
+        raise RejectedUtterance(f"unreadable media file ({reason})", UNREADABLE) from error
 
 
 def video_stream(container):
@@ -44,7 +44,7 @@ def video_stream(container):
     stream = container.streams.video[0]
     if not frame_rate(stream):
         raise RejectedUtterance("no frame rate in the video file", UNREADABLE)
-    # One decoding thread: the same pixels and the same cost whatever the machine.
+    # With one decoding thread pixels and cost are the same on every machine.
     stream.codec_context.thread_count = 1
     return stream
 
@@ -63,32 +63,32 @@ def audio_stream(container):
 
 
 def frame_rate(stream) -> float:
-    """Pictures per second, on average where it varies; 0 where the container does not say."""
+    """Frames per second, the average if it varies; 0 if the container does not state it."""
     return float(stream.average_rate or stream.guessed_rate or 0)
 
 
 def origin(container) -> float:
-    """Time stamp of the first picture, in seconds; of the first sound where there is no picture."""
+    """Time stamp of the first frame in seconds; of the first sound if there is no video."""
     for stream in (*container.streams.video[:1], *container.streams.audio[:1]):
         if stream.start_time is not None:
             return float(stream.start_time * stream.time_base)
     return 0.0
 
 
-def part(start: float, end: float, rate: float) -> tuple[float, int]:
-    """First second, at a frame border, and number of frames (0: to the end) of a part of a recording.
+def to_frame_borders(start: float, end: float, rate: float) -> tuple[float, int]:
+    """Start in seconds, moved to a frame border, and number of frames (0: to the end) of a segment of a recording.
 
-    Borders keep the times of the frames away from the changes of picture, where rounding would decide.
+    From a border on, the times ``(i + 0.5) / rate`` lie far from the time stamps, where rounding would decide.
     """
     first = np.floor(start * rate + 0.5) / rate
     return float(first), max(1, frames_in(end - first, rate)) if end else 0
 
 
-def decoded(container, stream, first: float) -> Iterator:
+def decode_stream(container, stream, first: float) -> Iterator:
     """Frames of a stream from ``first`` seconds after its beginning, or a little before; None for a damaged packet."""
-    if first >= SEEK_FROM and stream.start_time is not None:
-        with suppress(av.FFmpegError, OSError):  # what cannot be sought is decoded from its beginning
-            container.seek(stream.start_time + int((first - BEFORE) / stream.time_base), stream=stream)
+    if first >= MIN_SEEK_TIME and stream.start_time is not None:
+        with suppress(av.FFmpegError, OSError):  # streams without seeking are decoded from the beginning
+            container.seek(stream.start_time + int((first - SEEK_MARGIN) / stream.time_base), stream=stream)
     try:
         for packet in container.demux(stream):
             try:
@@ -99,31 +99,40 @@ def decoded(container, stream, first: float) -> Iterator:
         yield None
 
 
-def pictures(path, start: float, end: float, looked_at=iter) -> Iterator:
-    """The decoded picture of each frame of a part of a recording.
+def constant_rate_frames(path, start: float, end: float, inspect=iter) -> Iterator:
+    """Decoded frames of a segment of a recording, at its constant frame rate.
 
-    ``looked_at`` sees (time, picture or None) of all that is decoded, and passes it on.
+    Parameters
+    ----------
+    start, end : seconds from the first frame; an ``end`` of 0 means to the recording's end
+    inspect : a generator that receives (time, frame or None) of all that is decoded and yields it unchanged
+
+    Raises
+    ------
+    RejectedUtterance
+        The file cannot be opened, or no frame of the segment can be decoded.
     """
-    with opened(path) as container:
+    with open_media(path) as container:
         stream = video_stream(container)
         rate = frame_rate(stream)
-        first, frames = part(start, end, rate)
-        timed = _timed(decoded(container, stream, first), rate, origin(container))
+        first, frames = to_frame_borders(start, end, rate)
+        timed = _timed(decode_stream(container, stream, first), rate, origin(container))
         count = 0
-        for picture in _held(looked_at(timed), rate, first, frames):
+        for frame in _held(inspect(timed), rate, first, frames):
             count += 1
-            yield picture
+            yield frame
     if not count:
         raise RejectedUtterance(
-            "unreadable video stream (not one picture of this part can be decoded)",
-            f"{UNREADABLE} Where the corpus gives start and end, check that they lie inside the recording.",
+            "unreadable video stream (no frame of this segment can be decoded)",
+            f"{UNREADABLE} If the corpus gives start and end, check that they lie inside the recording.",
         )
 
 
 def _timed(frames: Iterable, rate: float, origin: float) -> Iterator[tuple[float, object]]:
-    """(seconds from the first picture, frame), ascending; None for a frame whose size is not that of the first.
+    """(seconds from the first frame, frame), ascending; None for a frame whose size is not that of the first.
 
-    A stamp that is missing or not after the last is taken for one frame later; where the clock leaps, it is set right.
+    A time stamp that is missing or not later than the last one is replaced by that of one frame later. Where the clock
+    jumps, the following time stamps are corrected by the jump.
     """
     last, size = None, None
     for frame in frames:
@@ -132,7 +141,7 @@ def _timed(frames: Iterable, rate: float, origin: float) -> Iterator[tuple[float
             yield due, None
             continue
         stamp = due + origin if frame.time is None else frame.time
-        if last is not None and _leaps(stamp - origin - due):
+        if last is not None and _clock_jumps(stamp - origin - due):
             origin = stamp - due
         time = stamp - origin
         last = due if last is not None and time <= last else time
@@ -140,23 +149,23 @@ def _timed(frames: Iterable, rate: float, origin: float) -> Iterator[tuple[float
         yield last, frame if (frame.width, frame.height) == size else None
 
 
-def _leaps(seconds: float) -> bool:
-    """Whether a clock that is off by so much was set anew, as where recordings were joined or bytes are damaged."""
-    return not -1.0 < seconds < LONGEST_GAP
+def _clock_jumps(seconds: float) -> bool:
+    """Whether a deviation is a reset of the clock, as in joined recordings or damaged files."""
+    return not -1.0 < seconds < MAX_GAP
 
 
 def _held(timed: Iterable[tuple[float, object]], rate: float, first: float, frames: int) -> Iterator:
-    """What a screen shows at ``first + (i + 0.5) / rate``: each picture until the next one comes."""
+    """The frame on screen at ``first + (i + 0.5) / rate``: each decoded frame is shown until the next one."""
     index, shown, time_shown = 0, None, 0.0
-    for time, picture in timed:
-        if picture is None:
+    for time, frame in timed:
+        if frame is None:
             continue
         while shown is not None and first + (index + 0.5) / rate < time:
             yield shown
             index += 1
             if index == frames:
                 return
-        shown, time_shown = picture, time
+        shown, time_shown = frame, time
     while shown is not None and first + (index + 0.5) / rate < time_shown + 1.0 / rate:
         yield shown
         index += 1
@@ -164,29 +173,32 @@ def _held(timed: Iterable[tuple[float, object]], rate: float, first: float, fram
             return
 
 
-def sound_chunks(frames: Iterable, rate: int, origin: float) -> Iterator[tuple[float | None, np.ndarray]]:
-    """Mono samples at ``rate``, frame by frame; with the seconds from ``origin`` where a gapless stretch begins."""
-    resampler, begin, due, kind = None, None, 0.0, None
+def audio_chunks(frames: Iterable, rate: int, origin: float) -> Iterator[tuple[float | None, np.ndarray]]:
+    """(start, mono samples at ``rate`` Hz) of each audio frame.
+
+    The start, in seconds from ``origin``, is given only where a stretch of sound without gaps begins; else it is None.
+    """
+    resampler, begin, due, layout = None, None, 0.0, None
 
     def mixed(out) -> np.ndarray:
-        # Channels are averaged here: the resampler's own mixing to mono can exceed full scale.
+        # Channels are averaged here because the resampler's own mix to mono can exceed full scale.
         return out.to_ndarray().mean(axis=0)
 
     for frame in frames:
         if frame is None:
             continue
         time = due if frame.time is None else frame.time - origin
-        if resampler is not None and _leaps(time - due):
+        if resampler is not None and _clock_jumps(time - due):
             origin, time = origin + time - due, due
         if (
             resampler is None
-            or abs(time - due) > SOUND_GAP
-            or kind != (frame.format.name, frame.layout.name, frame.rate)
+            or abs(time - due) > MIN_SOUND_GAP
+            or layout != (frame.format.name, frame.layout.name, frame.rate)
         ):
             if resampler is not None:
                 yield from ((None, mixed(out)) for out in resampler.resample(None))
             resampler, begin = av.AudioResampler(format="fltp", layout=frame.layout, rate=rate), time
-            due, kind = time, (frame.format.name, frame.layout.name, frame.rate)
+            due, layout = time, (frame.format.name, frame.layout.name, frame.rate)
             yield begin, np.zeros(0, np.float32)
         due += frame.samples / frame.rate
         yield from ((None, mixed(out)) for out in resampler.resample(frame))
@@ -194,10 +206,10 @@ def sound_chunks(frames: Iterable, rate: int, origin: float) -> Iterator[tuple[f
         yield from ((None, mixed(out)) for out in resampler.resample(None))
 
 
-def sound_pieces(frames: Iterable, rate: int, origin: float) -> Iterator[tuple[float, np.ndarray]]:
-    """(seconds from ``origin``, mono samples at ``rate``) of each stretch of sound without a gap."""
+def gapless_stretches(frames: Iterable, rate: int, origin: float) -> Iterator[tuple[float, np.ndarray]]:
+    """(seconds from ``origin``, mono samples at ``rate`` Hz) of each stretch of sound without gaps."""
     begin, chunks = None, []
-    for start, samples in sound_chunks(frames, rate, origin):
+    for start, samples in audio_chunks(frames, rate, origin):
         if start is not None:
             if begin is not None:
                 yield begin, np.concatenate(chunks)
@@ -207,31 +219,36 @@ def sound_pieces(frames: Iterable, rate: int, origin: float) -> Iterator[tuple[f
         yield begin, np.concatenate(chunks)
 
 
-def laid_out(pieces: Iterable[tuple[float, np.ndarray]], rate: int, length: int) -> np.ndarray | None:
-    """All pieces at their places, silence between, cut to ``length`` samples where that is not 0; None without any."""
-    placed = [(round(begin * rate), samples) for begin, samples in pieces]
-    if not placed:
+def with_silence(stretches: Iterable[tuple[float, np.ndarray]], rate: int, length: int) -> np.ndarray | None:
+    """Stretches of sound (start in seconds, samples) joined by silence, shape (samples,); None if there are none.
+
+    Parameters
+    ----------
+    length : maximum number of samples; 0 for no limit
+    """
+    starts = [(round(begin * rate), samples) for begin, samples in stretches]
+    if not starts:
         return None
-    whole = max(0, max(place + len(samples) for place, samples in placed))
+    whole = max(0, max(start + len(samples) for start, samples in starts))
     result = np.zeros(min(whole, length) if length else whole, np.float32)
-    for place, samples in placed:
-        to = slice(max(place, 0), max(0, place + len(samples)))
-        fitting = samples[max(0, -place) :][: max(0, len(result) - to.start)]
+    for start, samples in starts:
+        to = slice(max(start, 0), max(0, start + len(samples)))
+        fitting = samples[max(0, -start) :][: max(0, len(result) - to.start)]
         result[to.start : to.start + len(fitting)] = fitting
     return finite(result)
 
 
 def finite(samples: np.ndarray) -> np.ndarray:
-    """Samples without infinity: damaged packets of floating-point codecs may decode to anything."""
+    """Samples with NaN and infinity set to 0: damaged packets of floating-point codecs decode to any value."""
     return np.nan_to_num(samples, copy=False, nan=0.0, posinf=0.0, neginf=0.0)
 
 
 def upright(array: np.ndarray, rotation: float) -> np.ndarray:
-    """A picture (height, width, ...) as a player shows it: phones record lying and note the turn in degrees."""
+    """A frame (height, width, ...) as a player shows it: phones record sideways and store the rotation in degrees."""
     return np.rot90(array, round(rotation / 90) % 4)
 
 
-def short(error: BaseException) -> str:
-    """An error in a few words, without numbers and paths."""
-    said = getattr(error, "strerror", None) or str(error) or type(error).__name__
-    return said.splitlines()[0]
+def short_message(error: BaseException) -> str:
+    """The reason of an error in a few words, without error number and path."""
+    message = getattr(error, "strerror", None) or str(error) or type(error).__name__
+    return message.splitlines()[0]

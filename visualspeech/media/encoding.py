@@ -1,4 +1,4 @@
-"""Video files, written through PyAV: frames and sound in, MP4 out. The bytes repeat from run to run."""
+"""Writing of MP4 video files from frames and sound through PyAV."""
 
 from collections.abc import Iterable, Iterator
 from fractions import Fraction
@@ -20,11 +20,24 @@ def write_video(
     metadata: dict[str, str] | None = None,
     preset: str = "medium",
 ) -> None:
-    """Write RGB frames (height, width, 3) uint8, all of one even size, and mono float sound as H.264/AAC MP4.
+    """Write RGB frames and mono sound as an H.264/AAC MP4; the same input gives the same bytes.
 
-    Frames are taken one at a time, and sound given in pieces as the pictures need it: memory does not grow with the
-    length, and a player finds both side by side in the file. The bytes repeat from run to run.
-    ``preset`` is x264's: a faster one makes larger files of the same quality.
+    Frames and blocks of sound are consumed as the file needs them, so memory does not grow with the duration, and both
+    are interleaved in the file.
+
+    Parameters
+    ----------
+    frames : (height, width, 3) uint8 RGB, all of one size, with even width and height
+    rate : frame rate in Hz
+    audio : float samples (n,) in [-1, 1], or consecutive blocks of them; None for a video without sound
+    audio_rate : sample rate in Hz
+    metadata : tags of the file
+    preset : of x264; a faster one makes larger files of the same quality
+
+    Raises
+    ------
+    StorageError
+        The file cannot be written.
     """
     rate = Fraction(rate).limit_denominator(100_000)
     with (
@@ -34,34 +47,34 @@ def write_video(
         out.metadata.update(metadata or {})
         video = None
         sound = out.add_stream("aac", rate=audio_rate, layout="mono") if audio is not None else None
-        heard = _sound_frames([audio] if isinstance(audio, np.ndarray) else audio or (), audio_rate)
-        due = next(heard, None)
-        for number, picture in enumerate(frames, start=1):
+        audio_frames = _audio_frames([audio] if isinstance(audio, np.ndarray) else audio or (), audio_rate)
+        audio_frame = next(audio_frames, None)
+        for number, frame in enumerate(frames, start=1):
             if video is None:
-                # With its macroblock tree x264 reads memory it did not write at some widths: bytes do not repeat.
+                # With its macroblock tree, x264 reads uninitialised memory at some widths, and the bytes vary.
                 options = {"crf": "18", "preset": preset, "x264-params": "no-mbtree=1"}
                 video = out.add_stream("libx264", rate=rate, options=options)
                 video.thread_count = 1
-                video.height, video.width = picture.shape[:2]
+                video.height, video.width = frame.shape[:2]
                 video.pix_fmt = "yuv420p"
-            out.mux(video.encode(av.VideoFrame.from_ndarray(np.ascontiguousarray(picture), format="rgb24")))
-            while due is not None and due.pts < number / rate * audio_rate:
-                out.mux(sound.encode(due))
-                due = next(heard, None)
+            out.mux(video.encode(av.VideoFrame.from_ndarray(np.ascontiguousarray(frame), format="rgb24")))
+            while audio_frame is not None and audio_frame.pts < number / rate * audio_rate:
+                out.mux(sound.encode(audio_frame))
+                audio_frame = next(audio_frames, None)
         if video is not None:
             out.mux(video.encode(None))
-        while due is not None:
-            out.mux(sound.encode(due))
-            due = next(heard, None)
+        while audio_frame is not None:
+            out.mux(sound.encode(audio_frame))
+            audio_frame = next(audio_frames, None)
         if sound is not None:
             out.mux(sound.encode(None))
 
 
-def _sound_frames(pieces: Iterable[np.ndarray], rate: int, size: int = 1024) -> Iterator[av.AudioFrame]:
-    """Mono float sound in frames of ``size`` samples, as AAC takes them."""
+def _audio_frames(blocks: Iterable[np.ndarray], rate: int, size: int = 1024) -> Iterator[av.AudioFrame]:
+    """Mono float sound in frames of ``size`` samples, the frame size of AAC."""
     start, left = 0, np.zeros(0, np.float32)
-    for last, piece in chain(((False, piece) for piece in pieces), [(True, left)]):
-        left = np.concatenate([left, np.asarray(piece, np.float32)])
+    for last, block in chain(((False, block) for block in blocks), [(True, left)]):
+        left = np.concatenate([left, np.asarray(block, np.float32)])
         while len(left) >= size or (last and len(left)):
             frame = av.AudioFrame.from_ndarray(left[None, :size].copy(), format="fltp", layout="mono")
             frame.sample_rate, frame.pts = rate, start

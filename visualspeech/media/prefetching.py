@@ -1,4 +1,4 @@
-"""Two cores for one stream: its items are made by a thread while those before them are used."""
+"""Prefetching of a stream: a thread makes the next items while earlier ones are used."""
 
 from collections.abc import Iterable, Iterator
 from queue import Full, Queue
@@ -6,14 +6,17 @@ from threading import Event, Thread
 
 
 def prefetched(items: Iterable, ahead: int) -> Iterator:
-    """The items of a stream, in their order, made up to ``ahead`` items early by a thread of its own."""
+    """Yield the items of a stream in order; a separate thread makes them up to ``ahead`` items early.
+
+    An exception in the thread is raised where the items are taken.
+    """
     waiting: Queue = Queue(maxsize=ahead)
     stopped = Event()
 
-    def put(kind: str, value) -> bool:
+    def put(tag: str, value) -> bool:
         while not stopped.is_set():
             try:
-                waiting.put((kind, value), timeout=0.2)
+                waiting.put((tag, value), timeout=0.2)
                 return True
             except Full:
                 continue
@@ -25,17 +28,17 @@ def prefetched(items: Iterable, ahead: int) -> Iterator:
                 if not put("item", item):
                     return
             put("end", None)
-        except BaseException as error:  # raised again where the items are taken
+        except BaseException as error:  # raised again by the consumer
             put("error", error)
 
     thread = Thread(target=work, daemon=True)
     thread.start()
     try:
         while True:
-            kind, value = waiting.get()
-            if kind == "error":
+            tag, value = waiting.get()
+            if tag == "error":
                 raise value
-            if kind == "end":
+            if tag == "end":
                 return
             yield value
     finally:

@@ -1,9 +1,9 @@
-"""Recordings, read through PyAV: frames and sound at one constant rate. No system ffmpeg is needed.
+"""Reading of recordings through PyAV: frames and sound at one constant rate. No system ffmpeg is needed.
 
-Time in a recording counts from its first picture; sound before it is left out. Every reader here sees a recording at
-one constant frame rate, the stream's average: where the time stamps vary, a frame is what the screen shows at its
-middle, ``(i + 0.5) / rate``, so a slow stretch repeats pictures and a fast one drops some. A damaged packet costs its
-picture, not the recording: the last good one stays. So a recording has the same number of frames whenever it is read.
+Time in a recording counts from its first frame; earlier sound is left out. All functions here read a recording at one
+constant frame rate, the average of the stream: frame ``i`` is what is on screen at ``(i + 0.5) / rate``. Where time
+stamps vary, frames are therefore repeated or dropped. A frame that cannot be decoded is replaced by the last good one.
+A recording thus has the same number of frames whenever it is read.
 """
 
 import hashlib
@@ -18,29 +18,34 @@ import numpy as np
 from visualspeech.errors import RejectedUtterance
 from visualspeech.media.decoding import (
     UNREADABLE,
+    audio_chunks,
     audio_stream,
-    decoded,
+    constant_rate_frames,
+    decode_stream,
     finite,
     frame_rate,
-    laid_out,
-    opened,
+    gapless_stretches,
+    open_media,
     origin,
-    part,
-    pictures,
-    sound_chunks,
-    sound_pieces,
+    to_frame_borders,
     upright,
     video_stream,
+    with_silence,
 )
 
 
 @dataclass(frozen=True)
 class MediaInfo:
-    """What a container says of itself.
+    """What the headers of a recording state.
 
-    Frame rate in Hz (the average where it varies), size in pixels as shown, sound rate in Hz (0: no audio stream);
-    seconds from the first picture to the end of the recording and of its video stream (0: the header does not say), and
-    seconds of sound before the first picture, which are left out.
+    Parameters
+    ----------
+    rate : frame rate in Hz, the average if it varies
+    width, height : size in pixels as shown
+    audio_rate : sample rate in Hz; 0 if there is no audio stream
+    duration, video_duration : seconds from the first frame to the end of the recording and of its video stream; 0 if
+        the header does not state them
+    early_sound : seconds of sound before the first frame, which are left out
     """
 
     rate: float
@@ -53,23 +58,23 @@ class MediaInfo:
 
 
 def probe(path: str | Path) -> MediaInfo:
-    """Read the headers of a recording.
+    """What the headers of a recording state.
 
     Raises
     ------
     RejectedUtterance
-        The file is missing, empty, no media file, has no video stream or no frame rate.
+        The file is missing, empty or not a media file, or has no video stream or no frame rate.
     """
-    with opened(path) as container:
+    with open_media(path) as container:
         video = video_stream(container)
         audio = container.streams.audio[0] if container.streams.audio else None
         width, height = video.codec_context.width, video.codec_context.height
-        if _turned(container, video):
+        if _is_sideways(container, video):
             width, height = height, width
         rate, begin = frame_rate(video), origin(container)
         whole = float(container.duration or 0) / av.time_base
         sound = audio.start_time * audio.time_base if audio and audio.start_time is not None else begin
-        # An AVI without its index is measured by what is left; its header counts the pictures.
+        # FFmpeg takes the duration of an AVI without index from what is left of it; the header has the frame count.
         seconds = video.frames / rate if container.format.name == "avi" else (video.duration or 0) * video.time_base
         return MediaInfo(
             rate=rate,
@@ -82,11 +87,11 @@ def probe(path: str | Path) -> MediaInfo:
         )
 
 
-def _turned(container, stream) -> bool:
-    """Whether the recording lies on its side; only such containers can say so, and only a picture tells."""
+def _is_sideways(container, stream) -> bool:
+    """Whether the recording is rotated by 90 degrees; only MOV and Matroska can be, and only a decoded frame tells."""
     if not container.format.name.startswith(("mov", "matroska")):
         return False
-    first = next((frame for frame in decoded(container, stream, 0.0) if frame is not None), None)
+    first = next((frame for frame in decode_stream(container, stream, 0.0) if frame is not None), None)
     return first is not None and round(first.rotation / 90) % 2 == 1
 
 
@@ -96,50 +101,52 @@ def read_frames(path: str | Path, start: float = 0.0, end: float = 0.0) -> Itera
     Parameters
     ----------
     path : the recording
-    start, end : the part wanted, in seconds from the first picture; it begins at the frame border nearest to ``start``
-        and holds ``frames_in(end - start, rate)`` frames. An ``end`` of 0 means to the recording's end.
+    start, end : segment to read, in seconds from the first frame; it begins at the frame border nearest to ``start``
+        and has ``frames_in(end - start, rate)`` frames. An ``end`` of 0 means to the recording's end.
 
     Raises
     ------
     RejectedUtterance
-        The file cannot be opened, or not one of its pictures can be decoded.
+        The file cannot be opened, or no frame of the segment can be decoded.
     """
-    for frame in pictures(path, start, end):
-        # PyAV pads rows; detectors that take raw pointers read garbage unless the array is contiguous.
+    for frame in constant_rate_frames(path, start, end):
+        # PyAV pads rows, and detectors that take raw pointers need a contiguous array.
         yield np.ascontiguousarray(upright(frame.to_ndarray(format="rgb24"), frame.rotation))
 
 
 def read_audio(path: str | Path, rate: int, start: float = 0.0, end: float = 0.0) -> np.ndarray:
     """The sound of a recording as mono float32 in [-1, 1] at ``rate`` Hz, shape (samples,).
 
-    The sound begins with the first picture that :func:`read_frames` gives for the same ``start`` and ``end``. Sound
-    that is missing inside the stream is silence.
+    The sound begins with the first frame of :func:`read_frames` for the same ``start`` and ``end``. Gaps in the stream
+    are filled with silence.
 
     Raises
     ------
     RejectedUtterance
         There is no audio stream, or nothing of it can be decoded.
     """
-    with opened(path) as container:
+    with open_media(path) as container:
         audio = audio_stream(container)
         video_rate = frame_rate(container.streams.video[0]) if container.streams.video else 0.0
-        # Without pictures, milliseconds are borders fine enough.
+        # Without video, borders of milliseconds are fine enough.
         video_rate = video_rate or 1000.0
-        first, frames = part(start, end, video_rate)
+        first, frames = to_frame_borders(start, end, video_rate)
         begin = origin(container) + first
         seconds = frames / video_rate if frames else np.inf
         wanted = takewhile(
             lambda frame: frame is None or frame.time is None or frame.time < begin + seconds,
-            decoded(container, audio, first),
+            decode_stream(container, audio, first),
         )
-        samples = laid_out(sound_pieces(wanted, rate, begin), rate, round(seconds * rate) if frames else 0)
+        samples = with_silence(gapless_stretches(wanted, rate, begin), rate, round(seconds * rate) if frames else 0)
     if samples is None:
         raise RejectedUtterance("unreadable audio stream (nothing in it can be decoded)", UNREADABLE)
     return samples
 
 
 def stream_audio(path: str | Path, rate: int) -> Iterator[np.ndarray]:
-    """The sound of a recording as :func:`read_audio` gives it, a second or more at a time, whatever its length.
+    """Yield the sound of a recording as :func:`read_audio` returns it, in blocks of at least a second.
+
+    Memory does not grow with the duration.
 
     Raises
     ------
@@ -147,24 +154,24 @@ def stream_audio(path: str | Path, rate: int) -> Iterator[np.ndarray]:
         There is no audio stream, or nothing of it can be decoded.
     """
     kept: list[np.ndarray] = []
-    place = done = ready = 0  # samples: where the next chunk belongs, how far there is sound, how far it was given out
-    nothing = True
-    with opened(path) as container:
+    position = done = yielded = 0  # samples: start of the next chunk, end of the sound so far, end of what was yielded
+    empty = True
+    with open_media(path) as container:
         audio = audio_stream(container)
-        for begin, samples in sound_chunks(decoded(container, audio, 0.0), rate, origin(container)):
-            nothing = False
-            place = place if begin is None else round(begin * rate)
-            late = samples[max(0, done - place) :]
-            if place > done and len(late):
-                kept.append(np.zeros(place - done, np.float32))
-            if len(late):
-                kept.append(late.astype(np.float32))
-                done = max(place, done) + len(late)
-            place += len(samples)
-            if done - ready >= rate:
+        for begin, samples in audio_chunks(decode_stream(container, audio, 0.0), rate, origin(container)):
+            empty = False
+            position = position if begin is None else round(begin * rate)
+            new = samples[max(0, done - position) :]
+            if position > done and len(new):
+                kept.append(np.zeros(position - done, np.float32))
+            if len(new):
+                kept.append(new.astype(np.float32))
+                done = max(position, done) + len(new)
+            position += len(samples)
+            if done - yielded >= rate:
                 yield finite(np.concatenate(kept))
-                kept, ready = [], done
-    if nothing:
+                kept, yielded = [], done
+    if empty:
         raise RejectedUtterance("unreadable audio stream (nothing in it can be decoded)", UNREADABLE)
     if kept:
         yield finite(np.concatenate(kept))
@@ -172,15 +179,15 @@ def stream_audio(path: str | Path, rate: int) -> Iterator[np.ndarray]:
 
 @dataclass(frozen=True)
 class VideoScan:
-    """What a full decoding of a recording shows.
+    """Result of the full decoding of a segment of a recording.
 
     Parameters
     ----------
-    times : time of each decoded picture in seconds from the first, shape (pictures,)
-    damaged : times of pictures that could not be decoded, or only in part, shape (damaged,)
-    frames : number of frames that :func:`read_frames` yields for the same part
-    change : largest mean change of brightness between successive pictures, in grey levels
-    digest : of the decoded pictures
+    times : times of the D decoded frames in seconds from the first, shape (D,)
+    damaged : times of the frames that could not be decoded, or only in part, shape (damaged,)
+    frames : number of frames that :func:`read_frames` yields for the same segment
+    change : largest mean absolute difference between successive decoded frames, in grey levels
+    digest : of the decoded frames
     """
 
     times: np.ndarray
@@ -191,19 +198,19 @@ class VideoScan:
 
 
 def scan_video(path: str | Path, start: float = 0.0, end: float = 0.0) -> VideoScan:
-    """Decode the part of a recording that :func:`read_frames` would give, and report on it.
+    """Decode a segment of a recording, given as for :func:`read_frames`, and report on it.
 
     Raises
     ------
     RejectedUtterance
-        The file cannot be opened, or not one of its pictures can be decoded.
+        The file cannot be opened, or no frame of the segment can be decoded.
     """
     times: list[float] = []
     damaged: list[float] = []
     content = hashlib.sha256()
     change, before = 0.0, None
 
-    def looked_at(items):
+    def inspect(items):
         nonlocal change, before
         for time, frame in items:
             inside = time >= start - 0.05
@@ -219,12 +226,12 @@ def scan_video(path: str | Path, start: float = 0.0, end: float = 0.0) -> VideoS
                 before = small
             yield time, frame
 
-    frames = sum(1 for _ in pictures(path, start, end, looked_at))
+    frames = sum(1 for _ in constant_rate_frames(path, start, end, inspect))
     return VideoScan(np.array(times), np.array(damaged), frames, change, content.hexdigest()[:32])
 
 
 def _luma(frame) -> np.ndarray:
-    """Brightness of a picture, (height, width) uint8, without converting colours where the format allows."""
+    """Brightness of a frame, (height, width) uint8; colours are converted only if the format requires it."""
     if frame.format.name.startswith(("yuv", "nv12", "gray")) and frame.format.components[0].bits == 8:
         plane = frame.planes[0]
         rows = np.frombuffer(plane, np.uint8).reshape(-1, plane.line_size)

@@ -200,7 +200,7 @@ def test_parts_of_a_recording(tmp_path):
     assert len(checked(path, start=0.4, end=1.6).samples) == 19200
     reason = rejected(path, start=1.0, end=4.0)
     assert reason == "the utterance is to end at 4.00 s, the recording ends at 2.00 s"
-    assert "not one picture of this part" in rejected(path, start=7.0, end=8.0)
+    assert "no frame of this segment" in rejected(path, start=7.0, end=8.0)
 
 
 def test_limits_are_settings(tmp_path):

@@ -160,7 +160,7 @@ def test_what_is_not_there_is_rejected_in_words(tmp_path):
         reading.probe(tmp_path / "x.mp4")
     with pytest.raises(RejectedUtterance, match="no audio stream"):
         reading.read_audio(synthetic.record(tmp_path / "mute.mp4", 0.4, audio=np.zeros(0)), 16000)
-    with pytest.raises(RejectedUtterance, match="not one picture"):
+    with pytest.raises(RejectedUtterance, match="no frame of this segment"):
         list(reading.read_frames(synthetic.record(tmp_path / "short.mp4", 0.4), 5.0, 6.0))
 
 
