@@ -1,1 +1,1 @@
-"""Recordings: adapters that all yield the same Utterance record, the split, and the check before heavy work."""
+"""Corpora: adapters that yield :class:`Utterance` records, the split, and the check of the recordings."""

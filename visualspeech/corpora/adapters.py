@@ -1,4 +1,4 @@
-"""One way into every corpus: its settings in, a list of utterances out."""
+"""Corpus adapters: from the settings of a corpus to its list of utterances."""
 
 import re
 from collections.abc import Mapping
@@ -37,15 +37,15 @@ def list_utterances(corpus: Mapping) -> list[Utterance]:
 
     Parameters
     ----------
-    corpus : settings. ``name`` and ``adapter`` (``folder``, ``grid`` or ``demo``) are needed; ``limit`` keeps that many
-        utterances, chosen by a hash of their ids, to try a corpus out; the rest belongs to the adapter.
+    corpus : settings. ``name`` and ``adapter`` (``folder``, ``grid`` or ``demo``) are required. ``limit`` keeps that
+        many utterances, chosen by a hash of their ids, for a trial run. Other settings are those of the adapter.
 
     Raises
     ------
     SettingError
         A setting is missing or has a wrong value.
     CorpusError
-        The recordings are not where they are said to be, or two utterances have one id.
+        The recordings cannot be found, an id or split is invalid, or two utterances have the same id.
     """
     name = corpus.get("adapter")
     if name not in ADAPTERS:
@@ -53,7 +53,7 @@ def list_utterances(corpus: Mapping) -> list[Utterance]:
     limit = corpus.get("limit") or 0
     if isinstance(limit, bool) or not isinstance(limit, int) or limit < 0:
         raise SettingError(
-            f"`limit: {limit}` of the corpus is no number of utterances; give 1 or more, or leave it out."
+            f"`limit: {limit}` of the corpus is not a number of utterances; give 1 or more, or leave it out."
         )
     utterances = ADAPTERS[name](corpus)
     _check(utterances)
@@ -64,26 +64,27 @@ def list_utterances(corpus: Mapping) -> list[Utterance]:
 
 def _check(utterances: list[Utterance]) -> None:
     seen: dict[str, Utterance] = {}
-    # Where names differ in case only, some file systems take them for one.
+    # Some file systems do not distinguish names that differ only in case.
     for one in utterances:
         if not LEGAL_ID.fullmatch(one.id):
             raise CorpusError(
-                f"{one.media}: the id {one.id!r} cannot be used. Make it of letters A-Z, digits, '-', '_' and '.', "
-                "beginning with a letter, a digit or '_'."
+                f"{one.media}: the id {one.id!r} cannot be used. Use letters A-Z, digits, '-', '_' and '.'; begin with "
+                "a letter, a digit or '_'."
             )
         if one.id.lower() in seen:
             other = seen[one.id.lower()]
             raise CorpusError(
-                f"two utterances have one id, {other.id!r} and {one.id!r} (capitals do not count): {_place(other)} and "
-                f"{_place(one)}. Rename one of the files, or give each its own id in the corpus's table."
+                f"two utterances have one id, {other.id!r} and {one.id!r} (ids are compared without regard to case): "
+                f"{_location(other)} and {_location(one)}. Rename one of the files, or give each its own id in the "
+                "corpus's table."
             )
         seen[one.id.lower()] = one
         if one.split and one.split not in SPLITS:
             raise CorpusError(
-                f"{one.media}: the split of utterance {one.id} is {one.split!r}; give {', '.join(SPLITS)}, or leave "
-                "the column out to have the corpus split by the workflow."
+                f"{one.media}: the split of utterance {one.id} is {one.split!r}; give one of {', '.join(SPLITS)}, or "
+                "leave the column out to have the workflow split the corpus."
             )
 
 
-def _place(one: Utterance) -> str:
+def _location(one: Utterance) -> str:
     return f"{one.media} ({one.start:g}-{one.end:g} s)" if one.end or one.start else one.media

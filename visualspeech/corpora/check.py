@@ -1,6 +1,7 @@
-"""The check of recordings before anything heavy runs: what a person has to know, with the file and the remedy.
+"""The check of recordings before any expensive stage.
 
-Every recording is decoded once, to its end. What cannot be used is rejected; what is odd but usable is a warning.
+Every recording is decoded once, to its end. Unusable utterances are rejected; usable ones with a problem get a warning.
+Each finding names the file and a remedy.
 """
 
 import hashlib
@@ -18,7 +19,7 @@ from visualspeech.media import reading
 from visualspeech.timing import frames_in
 
 STAGE = "check"
-RATE = 16_000  # Hz, of the sound that later stages hear
+RATE = 16_000  # Hz, sample rate of the sound that later stages read
 
 
 @dataclass(frozen=True)
@@ -27,10 +28,10 @@ class CheckedRecording:
 
     Parameters
     ----------
-    samples : the sound, mono int16 at 16 kHz, shape (samples,); None where the utterance is rejected
-    rejected : why it cannot be used, or None
-    findings : all that was found, the rejection included
-    digest : of the decoded pictures and sound; empty where nothing could be decoded
+    samples : the sound, mono int16 at 16 kHz, shape (samples,); None if the utterance is rejected
+    rejected : why the utterance cannot be used; None if it is accepted
+    findings : all findings, including the rejection
+    digest : of the decoded frames and sound; empty if they could not be decoded
     frames : number of frames that :func:`visualspeech.media.reading.read_frames` yields
     """
 
@@ -44,17 +45,17 @@ class CheckedRecording:
 def check_recording(
     utterance: Utterance, unknown_words: Callable[[str], list[str]], settings: CheckSettings
 ) -> CheckedRecording:
-    """Check one utterance: transcript, pictures, sound, and whether they fit each other.
+    """Check the transcript, video and sound of one utterance, and whether their durations match.
 
     Parameters
     ----------
     utterance : the recording and its transcript
-    unknown_words : gives the words of a transcript that the pronunciation dictionary lacks
+    unknown_words : returns the words of a transcript that the pronunciation dictionary does not list
     settings : the limits
 
     Returns
     -------
-    CheckedRecording; nothing is raised for a bad recording.
+    CheckedRecording; a bad recording is reported in it and does not raise an error.
     """
     findings: list[Finding] = []
     digest, frames, samples, rejected = "", 0, None, None
@@ -64,21 +65,21 @@ def check_recording(
 
     try:
         if not Path(utterance.media).is_file():
-            raise RejectedUtterance("the file does not exist", "Bring it back, or take it out of the corpus's table.")
+            raise RejectedUtterance("the file does not exist", "Restore it, or remove it from the corpus's table.")
         _check_transcript(utterance)
         info = reading.probe(utterance.media)
         scan = reading.scan_video(utterance.media, utterance.start, utterance.end)
         frames = scan.frames
         sound = reading.read_audio(utterance.sound, RATE, utterance.start, utterance.end)
         digest = hashlib.sha256(scan.digest.encode() + sound.tobytes()).hexdigest()[:32]
-        _check_end(utterance, scan, info, len(sound) / RATE, settings, warn)
-        _check_pictures(scan, info, settings, warn)
+        _check_durations(utterance, scan, info, len(sound) / RATE, settings, warn)
+        _check_frames(scan, info, settings, warn)
         _check_sound(sound, info, settings, warn)
         unknown = unknown_words(utterance.transcript)
         if unknown:
             warn(
                 f"not in the pronunciation dictionary: {', '.join(dict.fromkeys(unknown))}",
-                "Look for spelling mistakes. Words that are right are pronounced by rule.",
+                "Correct spelling mistakes. Other words are pronounced by letter-to-sound rules.",
             )
         samples = np.round(np.clip(sound, -1, 1) * 32767).astype(np.int16)
     except RejectedUtterance as error:
@@ -105,51 +106,52 @@ def _check_transcript(utterance: Utterance) -> None:
     )
 
 
-def _check_pictures(scan: reading.VideoScan, info: reading.MediaInfo, settings: CheckSettings, warn) -> None:
+def _check_frames(scan: reading.VideoScan, info: reading.MediaInfo, settings: CheckSettings, warn) -> None:
     seconds = scan.frames / info.rate
     if seconds < settings.min_seconds:
         raise RejectedUtterance(
-            f"only {seconds:.2f} s of pictures ({scan.frames} frames)",
-            "Record again, or mend start and end in the corpus's table.",
+            f"only {seconds:.2f} s of video ({scan.frames} frames)",
+            "Record again, or correct start and end in the corpus's table.",
         )
     if info.rate < settings.min_rate:
         raise RejectedUtterance(
-            f"{info.rate:.4g} frames per second are too few to see lips move", "Record at 25 frames per second or more."
+            f"{info.rate:.4g} frames per second are too few for lip movement", "Record at 25 frames per second or more."
         )
     if not settings.warn_rate_below <= info.rate <= settings.warn_rate_above:
         warn(
-            f"an odd frame rate: {info.rate:.4g} per second", "Record at 25 to 60; features are resampled as they are."
+            f"unusual frame rate: {info.rate:.4g} frames per second",
+            "Record at 25 to 60 frames per second. The recording is used at its own rate.",
         )
     steps = np.diff(scan.times) * info.rate
     uneven = int((np.abs(steps - 1) > settings.frame_interval_tolerance).sum())
     if uneven and uneven < 0.05 * len(steps):
         warn(
-            f"{uneven} gap{'s' * (uneven > 1)} between pictures, the longest {steps.max() / info.rate * 1000:.0f} ms",
-            "It is used, with pictures repeated there. Copy the recording again from its source if that is too much.",
+            f"{uneven} gap{'s' * (uneven > 1)} between frames, the longest {steps.max() / info.rate * 1000:.0f} ms",
+            "The recording is used; frames are repeated in the gaps. To avoid that, copy it again from its source.",
         )
     elif uneven:
         warn(
-            f"variable frame rate: {uneven} of {len(steps)} steps between pictures are uneven, the longest "
+            f"variable frame rate: {uneven} of {len(steps)} frame intervals are uneven, the longest "
             f"{steps.max() / info.rate * 1000:.0f} ms at {info.rate:.4g} frames per second on average",
-            "It is used, with pictures repeated or dropped at that constant rate. Better: switch variable rates off in "
-            "the camera, or convert to a constant rate.",
+            "The recording is used at the average rate; frames are repeated or dropped. Better switch variable rates "
+            "off in the camera, or convert the recording to a constant rate.",
         )
     damaged = len(scan.damaged)
     if damaged > settings.max_damaged_share * (len(scan.times) + damaged):
         raise RejectedUtterance(
-            f"{damaged} of {len(scan.times)} pictures are damaged", "Copy the recording again from its source."
+            f"{damaged} of {len(scan.times)} frames are damaged", "Copy the recording again from its source."
         )
     if damaged:
-        places = ", ".join(f"{time:.2f}" for time in scan.damaged[:5])
+        times = ", ".join(f"{time:.2f}" for time in scan.damaged[:5])
         warn(
-            f"{damaged} damaged picture{'s' * (damaged > 1)}, at {places}{' ...' * (damaged > 5)} s",
-            "It is used, unless the face breaks up there. Copy the recording again from its source.",
+            f"{damaged} damaged frame{'s' * (damaged > 1)}, at {times}{' ...' * (damaged > 5)} s",
+            "The recording is used unless its landmarks fail there. Copy the recording again from its source.",
         )
     if scan.change <= settings.static_threshold:
-        warn("the picture never changes", "Give a video of the speaker, not a still picture with sound.")
+        warn("the frames never change", "Give a video of the speaker, not a still image with sound.")
 
 
-def _check_end(
+def _check_durations(
     utterance: Utterance,
     scan: reading.VideoScan,
     info: reading.MediaInfo,
@@ -157,45 +159,51 @@ def _check_end(
     settings: CheckSettings,
     warn,
 ) -> None:
-    """Is all there that the header, the table and the other stream promise?"""
+    """Compare the duration of the video with the header, the corpus's table and the sound.
+
+    Raises
+    ------
+    RejectedUtterance
+        The recording is truncated, or video and sound differ too much in length.
+    """
     seconds = scan.frames / info.rate
     if utterance.end:
         wanted = frames_in(utterance.end - utterance.start, info.rate)
         if scan.frames < wanted - settings.max_missing_seconds * info.rate:
             raise RejectedUtterance(
-                f"the utterance is to end at {utterance.end:.2f} s, the recording ends at "
+                f"the utterance should end at {utterance.end:.2f} s, but the recording ends at "
                 f"{utterance.start + seconds:.2f} s",
-                "Mend start and end in the corpus's table (they count seconds), or copy the recording again.",
+                "Correct start and end in the corpus's table (in seconds), or copy the recording again.",
             )
     else:
         if len(scan.damaged) and len(scan.times) and scan.damaged[-1] > scan.times[-1] - 1.5 / info.rate:
             raise RejectedUtterance(
-                f"truncated: the file breaks off within a picture, {scan.times[-1]:.2f} s after its beginning",
+                f"truncated: the file breaks off within a frame, {scan.times[-1]:.2f} s after its beginning",
                 "Copy the recording again from its source.",
             )
-        there = utterance.start + seconds
-        # The video stream's own figure where it has one: sound may well go on after the pictures.
-        for promised, found in (
-            (info.video_duration, there),
-            (info.duration, max(there, utterance.start + sound_seconds)),
+        video_end = utterance.start + seconds
+        # The sound may continue after the last frame, so the video stream is compared with its own duration.
+        for announced, found in (
+            (info.video_duration, video_end),
+            (info.duration, max(video_end, utterance.start + sound_seconds)),
         ):
-            if promised - found > max(settings.max_missing_seconds, 2 / info.rate):
+            if announced - found > max(settings.max_missing_seconds, 2 / info.rate):
                 raise RejectedUtterance(
-                    f"truncated: its header announces {promised:.2f} s, but it breaks off after {found:.2f} s",
+                    f"truncated: its header announces {announced:.2f} s, but it breaks off after {found:.2f} s",
                     "Copy the recording again from its source.",
                 )
     if not utterance.start and info.early_sound >= settings.warn_length_difference:
         warn(
-            f"the pictures begin {info.early_sound:.2f} s after the sound, which is left out until then",
-            "Check that no speech is lost; export the recording again with both streams whole.",
+            f"the video begins {info.early_sound:.2f} s after the sound; the sound before it is left out",
+            "Check that no speech is lost; export the recording again with both streams complete.",
         )
     difference = sound_seconds - seconds
     if abs(difference) >= settings.warn_length_difference:
-        said = f"sound and picture differ in length: {sound_seconds:.2f} s of sound, {seconds:.2f} s of picture"
-        remedy = "Check that lips and sound are together; export the recording again with both streams whole."
+        finding = f"sound and video differ in length: {sound_seconds:.2f} s of sound, {seconds:.2f} s of video"
+        remedy = "Check that lips and sound are synchronous; export the recording again with both streams complete."
         if abs(difference) >= settings.max_length_difference:
-            raise RejectedUtterance(said, remedy)
-        warn(said, remedy)
+            raise RejectedUtterance(finding, remedy)
+        warn(finding, remedy)
 
 
 def _check_sound(sound: np.ndarray, info: reading.MediaInfo, settings: CheckSettings, warn) -> None:
@@ -210,36 +218,36 @@ def _check_sound(sound: np.ndarray, info: reading.MediaInfo, settings: CheckSett
     voiced = speech_seconds(sound)
     if spread < settings.min_level_range or voiced < settings.min_speech_seconds:
         raise RejectedUtterance(
-            f"audio without speech (its level varies by {spread:.0f} dB, {voiced:.2f} s sound like a voice)",
-            "Check that the right audio track is in the file and that start and end fit.",
+            f"audio without speech (its level varies by {spread:.0f} dB, {voiced:.2f} s of speech are detected)",
+            "Check that the file has the right audio track, and that start and end are correct.",
         )
     if info.audio_rate < settings.warn_sample_rate_below:
         warn(
             f"audio at {info.audio_rate / 1000:g} kHz",
-            "It is used, but s, f and th can hardly be told apart. Record at 16 kHz or more.",
+            "The recording is used, but s, f and th are hard to distinguish. Record at 16 kHz or more.",
         )
     clipped = clipped_share(sound)
     if clipped >= settings.warn_clipped_share:
         warn(
-            f"clipped audio ({clipped:.1%} of the samples cut off)",
-            "It is used, but may be aligned badly. Record at a lower level.",
+            f"clipped audio ({clipped:.1%} of the samples)",
+            "The recording is used, but its alignment may be poor. Record at a lower level.",
         )
 
 
 def frame_levels(sound: np.ndarray) -> np.ndarray:
-    """Level of each 20 ms of a sound at 16 kHz, in dB of full scale but not below -200, shape (samples // 320,)."""
+    """Level of each 20 ms of a sound at 16 kHz in dB relative to full scale, at least -200, shape (samples // 320,)."""
     frames = sound[: len(sound) // 320 * 320].reshape(-1, 320).astype(np.float64)
     with np.errstate(divide="ignore"):
         return np.maximum(10 * np.log10((frames**2).mean(axis=1)), -200.0)
 
 
 def clipped_share(sound: np.ndarray) -> float:
-    """Share of samples that lie where a limit cut the sound off; below 0.0005 in sound speech.
+    """Share of clipped samples; below 0.0005 in unclipped speech.
 
-    Two signs: samples within 3 % of the peak (a limit, as recorded), and a hill near the upper end of the histogram of
-    the amplitudes, which falls steadily in speech (a limit, blurred by lossy coding): a window of a factor 1.22 that
-    holds at least 0.2 % of the samples and 1.7 times as many as the window below it. Of 50 recordings of GRID none is
-    taken for clipped; with 0.3 to 3 % of the samples cut off, 98 % to all of them are, before and after AAC coding.
+    There are two signs of clipping: samples within 3 % of the peak, and, after lossy coding, a hill near the upper end
+    of the histogram of amplitudes, which falls steadily in speech. A hill is a window of a factor 1.22 that holds at
+    least 0.2 % of the samples and 1.7 times as many as the window below it. None of 50 recordings of GRID is classified
+    as clipped; with 0.3 to 3 % of the samples clipped, 98 to 100 % of them are, before and after AAC coding.
     """
     size = np.abs(sound)
     peak = size.max(initial=0.0)
@@ -257,22 +265,27 @@ def clipped_share(sound: np.ndarray) -> float:
 
 
 def speech_seconds(sound: np.ndarray) -> float:
-    """Seconds in which WebRTC's voice activity detector, at its strictest, hears speech in a sound at 16 kHz."""
+    """Seconds of speech in a sound at 16 kHz, by WebRTC's voice activity detector in its strictest mode."""
     from pocketsphinx import Vad
 
     detector = Vad(3, RATE, 0.03)
     size = detector.frame_bytes // 2
     peak = max(float(np.abs(sound).max(initial=0.0)), 1e-9)
-    # The detector was made for speech at a telephone's level.
+    # The detector expects speech at the level of a telephone.
     samples = np.round(sound / peak * 16_000).astype("<i2")
     heard = sum(detector.is_speech(samples[at : at + size].tobytes()) for at in range(0, len(samples) - size + 1, size))
     return heard * size / RATE
 
 
 def find_duplicates(digests: Mapping[str, str], utterances: Iterable[Utterance]) -> list[Finding]:
-    """A rejection for each recording whose decoded content is that of one with an earlier id.
+    """A rejection for each recording with the same decoded content as one with an earlier id.
 
-    A copy would be trained on and tested on, and make every table look better than it is.
+    Otherwise a recording could be in both the training and the test set, and test figures would be too good.
+
+    Parameters
+    ----------
+    digests : utterance id -> :attr:`CheckedRecording.digest`
+    utterances : all utterances of the corpus
     """
     first: dict[str, Utterance] = {}
     findings = []

@@ -1,4 +1,4 @@
-"""What was found wrong or odd with utterances: the record, its table, and the point at which a corpus is refused."""
+"""Findings about utterances: the record, its table, and the limit at which a corpus is refused."""
 
 from collections.abc import Iterable
 from dataclasses import asdict, dataclass, fields
@@ -11,16 +11,16 @@ REJECT, WARN = "reject", "warn"
 
 @dataclass(frozen=True)
 class Finding:
-    """One sentence about one utterance.
+    """A problem found with one utterance.
 
     Parameters
     ----------
     id : of the utterance
     stage : of the workflow (check, alignment, landmarks, pose)
-    level : ``reject`` (the corpus goes on without the utterance) or ``warn`` (it is used as it is)
-    file : that the finding is about
-    finding : what is wrong or odd
-    remedy : what a person can do about it
+    level : ``reject`` (the run continues without the utterance) or ``warn`` (the utterance is used)
+    file : path of the file concerned
+    finding : the problem
+    remedy : what the user can do about it
     """
 
     id: str
@@ -32,12 +32,12 @@ class Finding:
 
 
 def rejection(utterance_id: str, stage: str, file: str, error: RejectedUtterance) -> Finding:
-    """The finding that stands for a :class:`RejectedUtterance`."""
+    """The finding of a :class:`RejectedUtterance`."""
     return Finding(utterance_id, stage, REJECT, file, error.reason, error.remedy)
 
 
 def write_findings(path, findings: Iterable[Finding]) -> None:
-    """Write findings as a table, rejections first, then by utterance."""
+    """Write findings as a table: rejections before warnings, each sorted by utterance."""
     import pandas
 
     ordered = sorted(findings, key=lambda one: (one.level != REJECT, one.id, one.stage, one.finding))
@@ -46,23 +46,28 @@ def write_findings(path, findings: Iterable[Finding]) -> None:
 
 
 def read_findings(*paths) -> list[Finding]:
-    """Read the findings of several tables."""
+    """The findings of several tables, in their order."""
     names = tuple(field.name for field in fields(Finding))
     return [Finding(*row) for path in paths for row in read_table(path, names)[list(names)].itertuples(index=False)]
 
 
 def rejected_ids(findings: Iterable[Finding]) -> set[str]:
-    """Ids of the utterances that the corpus goes on without."""
+    """Ids of the rejected utterances."""
     return {one.id for one in findings if one.level == REJECT}
 
 
 def check_share(findings: Iterable[Finding], utterances: int, limit: float) -> None:
-    """Refuse a corpus of which more than a share ``limit`` is rejected, or all of it.
+    """Refuse a corpus with too many rejected utterances.
+
+    Parameters
+    ----------
+    utterances : number of utterances in the corpus
+    limit : largest share of them that may be rejected
 
     Raises
     ------
     CorpusError
-        Naming the first reasons.
+        More than this share, or all utterances, are rejected; the message gives the first reasons.
     """
     rejections = [one for one in findings if one.level == REJECT]
     count = len({one.id for one in rejections})
@@ -70,5 +75,5 @@ def check_share(findings: Iterable[Finding], utterances: int, limit: float) -> N
         first = "\n".join(f"  {one.file or one.id}: {one.finding}. {one.remedy}" for one in rejections[:10])
         raise CorpusError(
             f"{count} of {utterances} utterances cannot be used, more than the share `max_rejected_share: {limit:g}`:\n"
-            f"{first}\nMend the recordings, or raise the share if you can do without them."
+            f"{first}\nFix the recordings, or raise the share to continue without them."
         )

@@ -1,4 +1,4 @@
-"""A folder of recordings with their transcripts: a ``.txt`` beside each, or one table for all."""
+"""The adapter ``folder``: recordings in a folder, with a ``.txt`` transcript beside each or one table for all."""
 
 import csv
 import difflib
@@ -24,20 +24,20 @@ def utterances(corpus: Mapping) -> list[Utterance]:
 
     Parameters
     ----------
-    corpus : settings. ``root``: the folder. ``table`` (optional): a TSV or CSV file with a head line, inside the root
-        or anywhere, one row an utterance: ``file`` (relative to the root) and ``transcript``, and where wanted ``id``,
-        ``speaker``, ``split``, ``emotion``, ``start`` and ``end`` (seconds); without a table every video's transcript
-        is the ``.txt`` file of its name. A recording's speaker is that of the table, or the folder that it is in.
-        ``speaker`` (optional): use the recordings of this speaker only; where recordings name none, the speaker's name.
+    corpus : settings. ``root``: the folder. ``table`` (optional): a TSV or CSV file with a header line, inside or
+        outside the root, one row per utterance: ``file`` (relative to the root), ``transcript`` and optionally ``id``,
+        ``speaker``, ``split``, ``emotion``, ``start`` and ``end`` (seconds). Without a table the transcript of a video
+        is the ``.txt`` file of the same name. The speaker is that of the table, or the name of the recording's folder.
+        ``speaker`` (optional): use the recordings of this speaker only; if recordings have no speaker, their speaker.
 
     Returns
     -------
-    Utterances; one without a transcript has an empty one, which the check of the recordings reports.
+    Utterances. A missing transcript is empty; the check of the recordings rejects it.
 
     Raises
     ------
     SettingError
-        ``root`` or ``table`` does not lead to a folder or a file.
+        ``root`` is not a folder, or ``table`` is not a file.
     CorpusError
         There is no recording, none of the speaker, or the table cannot be read.
     """
@@ -47,7 +47,7 @@ def utterances(corpus: Mapping) -> list[Utterance]:
 
 
 def _of_speaker(utterances: list[Utterance], wanted: str, name: str, root: Path) -> list[Utterance]:
-    """The utterances of one speaker, or of all; recordings that name no speaker get the wanted one or ``name``."""
+    """The utterances of one speaker, or of all; recordings without a speaker get the wanted one, else ``name``."""
     speakers = sorted({one.speaker for one in utterances})
     if wanted and speakers != [""]:
         utterances = [one for one in utterances if one.speaker == wanted]
@@ -60,7 +60,12 @@ def _of_speaker(utterances: list[Utterance], wanted: str, name: str, root: Path)
 
 
 def existing_folder(root: str | os.PathLike | None, corpus: Mapping, also: str = "") -> Path:
-    """The root of a corpus.
+    """The root folder of a corpus.
+
+    Parameters
+    ----------
+    corpus : settings, for the name in messages
+    also : other ways to give the root, for messages
 
     Raises
     ------
@@ -75,13 +80,13 @@ def existing_folder(root: str | os.PathLike | None, corpus: Mapping, also: str =
         what = "is a file, not a folder" if path.is_file() else "does not exist"
         raise SettingError(
             f"the root of the corpus {name!r} {what}: {path.absolute()}. Set `root:` to the folder of its "
-            f"recordings{also}; a relative path counts from the folder in which snakemake runs."
+            f"recordings{also}; a relative path is relative to the folder in which snakemake runs."
         )
     return path
 
 
 def find_files(root: Path, suffixes: frozenset[str]) -> list[Path]:
-    """All files under a folder with one of the suffixes (lower case, with dot), sorted; hidden ones left out."""
+    """All files below a folder with one of the suffixes (lower case, with dot), sorted; hidden ones are left out."""
     found = []
     for folder, folders, files in os.walk(root, followlinks=True):
         folders[:] = sorted(name for name in folders if not name.startswith("."))
@@ -94,7 +99,7 @@ def suffix(name: str) -> str:
 
 
 def read_transcript(path: Path) -> str:
-    """Text of a file on one line: UTF-8 (with or without mark), UTF-16 with its mark, or else Windows-1252."""
+    """Text of a file as one line; UTF-8 (with or without a byte-order mark), UTF-16 with one, or else Windows-1252."""
     data = path.read_bytes()
     if data[:2] in (b"\xff\xfe", b"\xfe\xff"):
         return one_line(data.decode("utf-16", "replace"))
@@ -130,7 +135,7 @@ def _of_files(root: Path, corpus: Mapping) -> list[Utterance]:
 
 
 def _speaker(video: Path, root: Path) -> str:
-    """Name of the folder that a recording is in; empty in the root itself."""
+    """Name of the folder of a recording; empty if that is the root."""
     return video.parent.name if video.parent != root else ""
 
 
@@ -139,13 +144,13 @@ def _of_table(root: Path, corpus: Mapping) -> list[Utterance]:
     if path is None:
         raise SettingError(
             f"the table {corpus['table']} of the corpus {corpus.get('name', '?')!r} does not exist. Set `table:` to a "
-            f"TSV or CSV file, its path counted from the root {root.absolute()}."
+            f"TSV or CSV file, with a path relative to the root {root.absolute()}."
         )
     rows = _rows(path)
     counts = Counter(row["file"] for row in rows)
     several = {file for file, count in counts.items() if count > 1}
     if not rows:
-        raise CorpusError(f"the table {path} has no rows. Write one row a recording below its head line.")
+        raise CorpusError(f"the table {path} has no rows. Write one row per recording below its header line.")
     return [_of_row(row, number, path, root, several) for number, row in enumerate(rows, start=2)]
 
 
@@ -153,7 +158,7 @@ def _rows(path: Path) -> list[dict[str, str]]:
     lines = _decoded(path).splitlines()
     head = next((line for line in lines if line.strip()), "")
     delimiter = "\t" if "\t" in head else ";" if ";" in head and "," not in head else ","
-    # Quotes have a meaning in CSV; in TSV a transcript may begin with one.
+    # In CSV quotes enclose a cell; in TSV a transcript may begin with one.
     quoting = csv.QUOTE_NONE if delimiter == "\t" and suffix(path.name) != ".csv" else csv.QUOTE_MINIMAL
     reader = csv.reader(lines, delimiter=delimiter, quoting=quoting)
     table = [[cell.strip() for cell in row] for row in reader if any(cell.strip() for cell in row)]

@@ -1,7 +1,7 @@
-"""The GRID corpus (Cooke, Barker, Cunningham and Shao, 2006): sentences of six words from a closed list.
+"""The adapter ``grid``: the GRID corpus (Cooke, Barker, Cunningham and Shao, 2006), sentences of six words each.
 
-Copies of it differ in their folders. All videos and all ``.align`` files below the root are found wherever they are;
-the speaker is the folder named ``s1`` ... ``s34`` on the way to a file.
+Copies of the corpus differ in their folders. All videos and ``.align`` files below the root are found wherever they
+are; the speaker is the nearest enclosing folder named ``s1`` ... ``s34``.
 """
 
 import os
@@ -15,7 +15,7 @@ from visualspeech.errors import CorpusError
 
 UNITS_PER_SECOND = 25_000  # of the times in an .align file
 SILENCES = frozenset({"sil", "sp"})
-SPOKEN = {"z": "zed"}  # the speakers are British
+SPOKEN = {"z": "zed"}  # British English
 _SPEAKER = re.compile(r"s(\d{1,2})(?![\da-z])", re.IGNORECASE)
 _CODE = re.compile(r"[bpls][bgrw][abiw][a-z][1-9z][anps]")
 _WORDS = (
@@ -33,19 +33,18 @@ def utterances(corpus: Mapping) -> list[Utterance]:
 
     Parameters
     ----------
-    corpus : settings. ``root`` (where it is empty, the environment variable ``GRID_ROOT``): a folder of GRID.
-        ``speaker`` (optional): such as ``s1``; without it all that are found, their names before the ids if there are
-        several.
+    corpus : settings. ``root`` (if empty, the environment variable ``GRID_ROOT``): a folder of GRID. ``speaker``
+        (optional): such as ``s1``; by default all speakers. With several speakers, ids begin with their names.
 
     Returns
     -------
-    Utterances whose transcript comes from the ``.align`` file or, where there is none, from the sentence code that the
-    file name is ("bbaf2n": bin blue at f two now). The letter z is written "zed".
+    Utterances whose transcript is read from the ``.align`` file or, if there is none, from the sentence code in the
+    file name ("bbaf2n": bin blue at f two now). The letter z is written "zed".
 
     Raises
     ------
     SettingError
-        There is no root, or it leads nowhere.
+        The root is not set or does not exist.
     CorpusError
         There are no recordings, none of the speaker, or an ``.align`` file cannot be read.
     """
@@ -82,7 +81,7 @@ def utterances(corpus: Mapping) -> list[Utterance]:
 
 
 def speaker_of(path: Path, root: Path) -> str:
-    """Name of the speaker by the last folder named after one, the root's own path included; empty without any."""
+    """Speaker of a file: the nearest enclosing folder named after one, up to and including the root; empty if none."""
     inside = path.relative_to(root).parent.parts
     for folder in (*reversed(inside), root.absolute().name):
         match = _SPEAKER.match(folder)
@@ -92,7 +91,7 @@ def speaker_of(path: Path, root: Path) -> str:
 
 
 def read_alignment(path: str | Path) -> list[tuple[str, float, float]]:
-    """GRID's own words of a sentence: (word as written, start, end) in seconds, silences included.
+    """GRID's own alignment of a sentence: (word as written, start, end) in seconds, silences included.
 
     Raises
     ------
@@ -107,13 +106,13 @@ def read_alignment(path: str | Path) -> list[tuple[str, float, float]]:
         ]
     except ValueError as error:
         raise CorpusError(
-            f"{path} is no alignment of GRID (lines of `start end word`). Restore it from the corpus, or remove it: "
-            "the transcript then comes from the recording's name."
+            f"{path} is no alignment of GRID (lines of `start end word`). Restore it from the corpus, or remove it to "
+            "have the transcript read from the recording's name."
         ) from error
 
 
 def transcript_of_code(code: str) -> str:
-    """The sentence that a GRID file name stands for; empty if it is none."""
+    """The sentence encoded in a GRID file name; empty if the name is not such a code."""
     if not _CODE.fullmatch(code):
         return ""
     return " ".join(

@@ -1,4 +1,4 @@
-"""The one record that every corpus adapter yields."""
+"""The record of an utterance that every corpus adapter yields."""
 
 import hashlib
 import re
@@ -13,13 +13,13 @@ class Utterance:
     ----------
     id : unique in the corpus; letters, digits, ``-``, ``_`` and ``.``
     speaker : name of the speaker
-    media : path of the video recording, with or without sound; empty where there is none
-    transcript : what is said, as written; empty where the corpus brings none
-    split : ``train``, ``validation``, ``test``, or empty where the corpus brings none
+    media : path of the video recording, with or without sound; empty if there is none
+    transcript : what is said, as written; empty if the corpus has none
+    split : ``train``, ``validation`` or ``test``; empty if the corpus has no split
     emotion : label of the corpus, or empty
-    start, end : the part of the recording that is this utterance, in seconds; an ``end`` of 0 means to its end
-    audio : path of a sound file of its own, where the sound is not that of ``media``
-    motion : path of the motion capture; empty where there is none
+    start, end : segment of the recording, in seconds; an ``end`` of 0 means to the recording's end
+    audio : path of a separate sound file; empty if the sound is that of ``media``
+    motion : path of the motion capture; empty if there is none
     """
 
     id: str
@@ -40,10 +40,10 @@ class Utterance:
 
 
 def shard_of(utterance_id: str, shards: int) -> int:
-    """Shard of an utterance by a stable hash of its id: adding one utterance touches one shard."""
+    """Number of the shard of an utterance, by a stable hash of its id; adding an utterance changes one shard only."""
     return int(hashlib.sha256(utterance_id.encode()).hexdigest()[:8], 16) % shards
 
 
 def legal_id(text: str) -> str:
-    """An id made from a name: characters that an id may not have become underscores."""
+    """An id made from a name; characters that ids may not contain become underscores."""
     return re.sub(r"^[-.]", "_", re.sub(r"[^A-Za-z0-9_.-]", "_", text)) or "_"

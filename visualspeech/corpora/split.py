@@ -1,4 +1,4 @@
-"""Which utterances models learn from (train), stop by (validation) and are judged on (test)."""
+"""Split of a corpus into training, validation (early stopping) and test utterances."""
 
 import hashlib
 from collections.abc import Iterable, Sequence
@@ -12,11 +12,11 @@ NAMES = ("train", "validation", "test")
 def split_utterances(
     utterances: Iterable[Utterance], fractions: Sequence[float] = (0.8, 0.1, 0.1), seed: int = 0
 ) -> dict[str, str]:
-    """Split a corpus by utterance: id -> ``train``, ``validation`` or ``test``, in the order of the ids.
+    """Split of a corpus by utterance: id -> ``train``, ``validation`` or ``test``, in the order of the ids.
 
-    A corpus that brings its own split keeps it. Else utterances are ordered by a hash of the seed and their id and cut
-    at the fractions, at least one each; so the split does not depend on the order of the corpus, and a corpus that
-    grows changes few assignments. The split is stratified: every speaker is cut by himself.
+    A corpus with its own split keeps it. Otherwise the utterances of each speaker are ordered by a hash of the seed and
+    the id and divided at the fractions, with at least one utterance per split. The split is thus stratified by speaker,
+    does not depend on the order of the corpus, and changes little when the corpus grows.
 
     Raises
     ------
@@ -27,46 +27,48 @@ def split_utterances(
     """
     utterances = sorted(utterances, key=lambda one: one.id)
     if any(one.split for one in utterances):
-        return _own(utterances)
+        return _given_split(utterances)
     if len(fractions) != 3 or min(fractions) <= 0 or abs(sum(fractions) - 1) > 1e-6:
         shown = ", ".join(f"{name} {share:g}" for name, share in zip(NAMES, fractions, strict=False))
         raise SettingError(f"the shares of `split` are {shown}; give three numbers above 0 whose sum is 1.")
     speakers: dict[str, list[Utterance]] = {}
     for one in utterances:
         speakers.setdefault(one.speaker, []).append(one)
-    parts = [_cut(own, fractions, seed) for own in speakers.values()] or [_cut([], fractions, seed)]
-    place = {name: split for part in parts for name, split in part.items()}
-    return {one.id: place[one.id] for one in utterances}
+    split_of: dict[str, str] = {}
+    for of_speaker in list(speakers.values()) or [[]]:
+        split_of |= _split_speaker(of_speaker, fractions, seed)
+    return {one.id: split_of[one.id] for one in utterances}
 
 
-def _cut(utterances: Sequence[Utterance], fractions: Sequence[float], seed: int) -> dict[str, str]:
+def _split_speaker(utterances: Sequence[Utterance], fractions: Sequence[float], seed: int) -> dict[str, str]:
     """The split of one speaker's utterances."""
     if len(utterances) < 3:
         whose = f"the speaker {utterances[0].speaker!r} has" if utterances else "the corpus has"
         raise CorpusError(
-            f"{whose} {len(utterances)} utterances. Give at least three, one each to train, validate and test on; for "
-            "useful models some hundreds."
+            f"{whose} {len(utterances)} utterances. Give at least three, one each for training, validation and test; "
+            "useful models need some hundreds."
         )
     count = len(utterances)
     others = [max(1, round(count * share)) for share in fractions[1:]]
-    while sum(others) > count - 1:  # so few utterances that rounding leaves none to train on
+    while sum(others) > count - 1:  # with few utterances, rounding may leave none for training
         others[others.index(max(others))] -= 1
     borders = (count - sum(others), count - others[1], count)
     ordered = sorted(utterances, key=lambda one: hashlib.sha256(f"{seed}:{one.id}".encode()).digest())
     return {one.id: NAMES[sum(index >= border for border in borders)] for index, one in enumerate(ordered)}
 
 
-def _own(utterances: list[Utterance]) -> dict[str, str]:
+def _given_split(utterances: list[Utterance]) -> dict[str, str]:
+    """The split that the corpus itself gives."""
     without = [one for one in utterances if not one.split]
     if without:
         raise CorpusError(
             f"{without[0].media}: utterance {without[0].id} has no split, while others have one "
-            f"({len(without)} of {len(utterances)} are without). Give each a split, or none."
+            f"({len(without)} of {len(utterances)} are without). Give all utterances a split, or none."
         )
     for name in NAMES:
         if not any(one.split == name for one in utterances):
             raise CorpusError(
                 f"the corpus's own split has no utterance in {name!r}. Mark some utterances {name}, or leave the split "
-                "out to have the corpus split by the workflow."
+                "out to have the workflow split the corpus."
             )
     return {one.id: one.split for one in utterances}

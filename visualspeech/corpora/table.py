@@ -1,4 +1,4 @@
-"""Utterances as tables: those that a corpus lists, their split, and those that were accepted."""
+"""Tables of utterances: those that a corpus lists, their split, and the accepted ones."""
 
 from collections.abc import Iterable, Mapping
 from dataclasses import asdict, fields
@@ -10,14 +10,14 @@ TEXT = ("id", "speaker", "media", "transcript", "split", "emotion", "audio", "mo
 
 
 def read_utterances(path) -> list[Utterance]:
-    """The utterances of one table, in its order; columns that are no field of the record are left out."""
+    """The utterances of a table, in its order; columns that are not fields of :class:`Utterance` are ignored."""
     table = read_table(path, TEXT)
     known = [field.name for field in fields(Utterance) if field.name in table.columns]
     return [Utterance(**row) for row in table[known].to_dict("records")]
 
 
 def write_utterances(path, rows: Iterable[Mapping]) -> None:
-    """Write utterances given as plain data, without their split."""
+    """Write utterances given as mappings, without their split."""
     import pandas
 
     columns = [field.name for field in fields(Utterance) if field.name != "split"]
@@ -38,7 +38,7 @@ def read_split(path) -> dict[str, str]:
 
 
 def write_accepted(path, utterances: Iterable[Utterance], split: Mapping[str, str]) -> None:
-    """Write the utterances that models learn from and are judged by, each with its split, sorted by id."""
+    """Write the accepted utterances, each with its split, sorted by id."""
     import pandas
 
     rows = [{**asdict(one), "split": split[one.id]} for one in sorted(utterances, key=lambda one: one.id)]

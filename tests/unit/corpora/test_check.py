@@ -88,7 +88,7 @@ def test_a_truncated_real_recording(tmp_path):
     path.write_bytes(source.read_bytes())
     assert checked(path).rejected is None
     for share in (0.9, 0.5):
-        assert "breaks off within a picture" in rejected(synthetic.truncated(path, share))
+        assert "breaks off within a frame" in rejected(synthetic.truncated(path, share))
 
 
 def test_no_video_and_no_audio(tmp_path):
@@ -100,7 +100,7 @@ def test_no_video_and_no_audio(tmp_path):
 
 
 def test_too_short(tmp_path):
-    assert rejected(record(tmp_path, seconds=0.2)) == "only 0.20 s of pictures (5 frames)"
+    assert rejected(record(tmp_path, seconds=0.2)) == "only 0.20 s of video (5 frames)"
 
 
 def test_silent_audio(tmp_path):
@@ -159,22 +159,22 @@ def test_variable_frame_rate(tmp_path):
 
 def test_odd_frame_rates(tmp_path):
     assert "5 frames per second are too few" in rejected(record(tmp_path, "5.mp4", rate=5))
-    assert warnings(record(tmp_path, "15.mp4", rate=15)) == ["an odd frame rate: 15 per second"]
+    assert warnings(record(tmp_path, "15.mp4", rate=15)) == ["unusual frame rate: 15 frames per second"]
     for rate in (25, 30000 / 1001, 60, 120):
         assert warnings(record(tmp_path, "usual.mkv", rate=rate)) == []
 
 
 def test_a_still_picture(tmp_path):
     path = record(tmp_path, frames=synthetic.pictures(1) * 50)
-    assert warnings(path) == ["the picture never changes"]
+    assert warnings(path) == ["the frames never change"]
 
 
 def test_sound_and_picture_of_different_length(tmp_path):
     (finding,) = warnings(record(tmp_path, audio=synthetic.hum(1.5)))
-    assert finding.startswith("sound and picture differ in length: 1.5")
-    assert rejected(record(tmp_path, audio=synthetic.hum(0.5))).startswith("sound and picture differ in length")
+    assert finding.startswith("sound and video differ in length: 1.5")
+    assert rejected(record(tmp_path, audio=synthetic.hum(0.5))).startswith("sound and video differ in length")
     early = warnings(record(tmp_path, audio=synthetic.hum(2.5), late=0.5))
-    assert early == ["the pictures begin 0.50 s after the sound, which is left out until then"]
+    assert early == ["the video begins 0.50 s after the sound; the sound before it is left out"]
 
 
 def test_damage_in_the_middle_is_survived(tmp_path):
@@ -184,13 +184,13 @@ def test_damage_in_the_middle_is_survived(tmp_path):
     data[middle : middle + 400] = bytes(400)
     path.write_bytes(data)
     result = checked(path)
-    assert result.frames == 100 and any("damaged picture" in finding for finding in warnings(path))
+    assert result.frames == 100 and any("damaged frame" in finding for finding in warnings(path))
 
 
 def test_a_lost_picture_is_a_gap(tmp_path):
     times = np.delete(np.arange(60) / 25, 30)
     path = record(tmp_path, "a.mkv", seconds=2.4, times=times)
-    assert warnings(path) == ["1 gap between pictures, the longest 80 ms"]
+    assert warnings(path) == ["1 gap between frames, the longest 80 ms"]
     assert checked(path).frames == 60
 
 
@@ -199,7 +199,7 @@ def test_parts_of_a_recording(tmp_path):
     assert warnings(path, start=0.4, end=1.6) == []
     assert len(checked(path, start=0.4, end=1.6).samples) == 19200
     reason = rejected(path, start=1.0, end=4.0)
-    assert reason == "the utterance is to end at 4.00 s, the recording ends at 2.00 s"
+    assert reason == "the utterance should end at 4.00 s, but the recording ends at 2.00 s"
     assert "no frame of this segment" in rejected(path, start=7.0, end=8.0)
 
 

@@ -75,7 +75,7 @@ def test_dominance_equals_the_plain_formula():
         weights = total = 0.0
         for name, start, end in segments:
             target, claims = articulation._TARGETS[name]
-            fall = articulation._FALL_OF_CLOSURE if name == "m" else 24.0
+            fall = articulation._DECAY_OF_CLOSURE if name == "m" else 24.0
             dominance = claims[0] * np.exp(-fall * max(start - t, t - end, 0.0))
             weights, total = weights + dominance, total + dominance * target[0]
         assert row[0] == pytest.approx(total / weights)

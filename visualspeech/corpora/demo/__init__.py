@@ -1,1 +1,1 @@
-"""The built-in corpus: a face that is nobody's, speaking; made by a rule, the same bytes every time."""
+"""The built-in demo corpus: recordings of a synthetic speaker, generated with the same bytes every time."""

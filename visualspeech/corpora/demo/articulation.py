@@ -1,11 +1,11 @@
-"""Phones to mouth movement, with coarticulation by dominance functions.
+"""Mouth movement from phones, with coarticulation by dominance functions.
 
 Cohen and Massaro, "Modeling coarticulation in synthetic visual speech" (1993): every phone s has a target T_sp for
-every mouth parameter p and a dominance that falls off exponentially before and after its centre,
+every mouth parameter p and a dominance that decays exponentially before and after its centre,
 ``D_sp(t) = alpha_sp exp(-theta |t - centre_s|)``; the movement is the mean of the targets weighted by dominance,
-``F_p(t) = sum_s D_sp(t) T_sp / sum_s D_sp(t)``. Here the falling off begins at the phone's borders, not at its centre,
-so that a long phone holds its target. Targets may be out of reach: the opening of p, b and m lies below zero, and what
-is below zero is a closed mouth with the lips pressed together.
+``F_p(t) = sum_s D_sp(t) T_sp / sum_s D_sp(t)``. Here the decay begins at the phone's borders, not at its centre, so
+that a long phone holds its target. The opening of p, b and m has a target below zero: a closed mouth with the lips
+pressed together.
 """
 
 import numpy as np
@@ -14,7 +14,7 @@ PARAMETERS = ("opening", "jaw", "width", "rounding", "labiodental", "tongue")
 """Distance of the inner lips (canonical pixels, negative: pressed), drop of the chin (canonical pixels), spreading of
 the corners (-1 to 1), rounding (0 to 1), lower lip under the upper teeth (0 to 1), tongue tip up (0 to 1)."""
 
-# opening, jaw, width, rounding, labiodental, tongue | how strongly a phone claims: lips, jaw, rounding, tongue
+# Targets of opening, jaw, width, rounding, labiodental, tongue; strengths alpha of lips, jaw, rounding, tongue.
 _TARGETS = {
     "sil": ((-1.0, 0.0, 0.0, 0.0, 0.0, 0.3), (0.7, 0.7, 0.4, 0.3)),
     "aa": ((15.0, 12.0, 0.0, 0.0, 0.0, 0.0), (1.0, 1.2, 0.6, 0.4)),
@@ -57,24 +57,24 @@ _TARGETS = {
     "ng": ((5.5, 4.0, 0.1, 0.0, 0.0, 0.1), (0.4, 0.5, 0.15, 0.5)),
     "hh": ((6.5, 5.0, 0.1, 0.0, 0.0, 0.1), (0.3, 0.3, 0.1, 0.2)),
 }
-# Where a diphthong ends.
+# Second vowel of each diphthong.
 _GLIDES = {"aw": "uw", "ay": "iy", "ey": "iy", "ow": "uw", "oy": "iy"}
-_CLAIM_OF = (0, 1, 2, 2, 0, 3)  # which strength rules which parameter
-# Falling off a second, before and after the phone: lips and tongue are quick, jaw and rounding begin early and last.
-_FALL = np.array([[24.0, 24.0], [15.0, 15.0], [13.0, 15.0], [13.0, 15.0], [26.0, 26.0], [22.0, 22.0]])
-_FALL_OF_CLOSURE = 56.0
+_STRENGTH_OF = (0, 1, 2, 2, 0, 3)  # index of the strength that applies to each parameter
+# Decay rates theta per second, before and after the phone: lips and tongue are fast, jaw and rounding slow.
+_DECAY = np.array([[24.0, 24.0], [15.0, 15.0], [13.0, 15.0], [13.0, 15.0], [26.0, 26.0], [22.0, 22.0]])
+_DECAY_OF_CLOSURE = 56.0
 CLOSED = ("p", "b", "m")
 LABIODENTAL = ("f", "v")
 
 
 def movement(phones: list[tuple[str, float, float]], times: np.ndarray, size: float = 1.0) -> np.ndarray:
-    """Mouth parameters at ``times``.
+    """Mouth parameters at given times.
 
     Parameters
     ----------
     phones : (ARPAbet, start, end) in seconds
     times : (T,) seconds
-    size : how wide the speaker opens the mouth, 1 is the speaker's habit
+    size : opening of the mouth as a multiple of normal speech
 
     Returns
     -------
@@ -84,19 +84,19 @@ def movement(phones: list[tuple[str, float, float]], times: np.ndarray, size: fl
     start = np.array([segment[1] for segment in segments])
     end = np.array([segment[2] for segment in segments])
     targets = np.array([_TARGETS[segment[0]][0] for segment in segments])
-    claims = np.array([_TARGETS[segment[0]][1] for segment in segments])[:, _CLAIM_OF]
+    strengths = np.array([_TARGETS[segment[0]][1] for segment in segments])[:, _STRENGTH_OF]
     targets = targets * np.where(targets > 0, [size, size, 1, 1, 1, 1], 1.0)
-    hurried = np.array([segment[0] in CLOSED or segment[0] in LABIODENTAL for segment in segments])
+    closures = np.array([segment[0] in CLOSED or segment[0] in LABIODENTAL for segment in segments])
     before = np.maximum(start[None] - times[:, None], 0.0)[..., None]
     after = np.maximum(times[:, None] - end[None], 0.0)[..., None]
-    fall = np.tile(_FALL, (len(segments), 1, 1))
-    fall[np.ix_(hurried, [0, 4])] = _FALL_OF_CLOSURE
-    dominance = claims[None] * np.exp(-fall[None, :, :, 0] * before - fall[None, :, :, 1] * after)
+    decay = np.tile(_DECAY, (len(segments), 1, 1))
+    decay[np.ix_(closures, [0, 4])] = _DECAY_OF_CLOSURE
+    dominance = strengths[None] * np.exp(-decay[None, :, :, 0] * before - decay[None, :, :, 1] * after)
     return (dominance * targets[None]).sum(axis=1) / dominance.sum(axis=1)
 
 
 def _segments(phones: list[tuple[str, float, float]]) -> list[tuple[str, float, float]]:
-    """The phones drawn in from their borders, so that neighbours have time to meet; diphthongs as two."""
+    """The phones with their borders moved inwards, which leaves time for transitions; diphthongs become two phones."""
     segments = []
     for phone, start, end in phones:
         length = end - start

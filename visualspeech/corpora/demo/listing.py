@@ -1,4 +1,4 @@
-"""The demo corpus as a list of utterances; nothing is rendered and nothing heavy imported here."""
+"""The adapter ``demo``: the utterances of the demo corpus, listed without rendering."""
 
 import random
 from collections.abc import Mapping
@@ -12,7 +12,7 @@ SPEAKER = "demo"
 
 
 def media_path(root: str | Path, utterance_id: str, shard: int | None = None) -> Path:
-    """Where the recording of an utterance is, or will be: ``root/id.mp4``, or ``root/shard/id.mp4``."""
+    """Path of the recording of an utterance, existing or not: ``root/id.mp4``, or ``root/shard/id.mp4``."""
     folder = Path(root) if shard is None else Path(root) / str(shard)
     return folder / f"{utterance_id}.mp4"
 
@@ -22,15 +22,15 @@ def utterances(corpus: Mapping) -> list[Utterance]:
 
     Parameters
     ----------
-    corpus : settings with the keys ``root`` (folder of the recordings, to be made by
-        :func:`visualspeech.corpora.demo.recording.record_shard`), ``utterances`` (how many, default 60),
-        ``seed`` (which sentences, default 1) and, where the recordings are made in several jobs, ``shards``: each
-        recording then lies in the subfolder of its shard.
+    corpus : settings: ``root`` (folder of the recordings, which
+        :func:`visualspeech.corpora.demo.recording.record_shard` makes), ``utterances`` (their number, default 60),
+        ``seed`` (of the choice of sentences, default 1) and ``shards`` (number of shards; each recording is then in the
+        subfolder of its shard).
 
     Raises
     ------
     SettingError
-        ``root`` is missing, or there are not that many sentences.
+        ``root`` is missing, or a number is out of range.
     """
     if not corpus.get("root"):
         raise SettingError("the demo corpus needs the key `root`: the folder that its recordings are written to.")
@@ -40,7 +40,7 @@ def utterances(corpus: Mapping) -> list[Utterance]:
     shards = corpus.get("shards")
     if shards is not None and (isinstance(shards, bool) or not isinstance(shards, int) or shards < 1):
         raise SettingError(f"`shards` of the demo corpus is {shards!r}; give a whole number, 1 or more.")
-    # The first of one order, so that a larger corpus keeps the utterances of a smaller one.
+    # The first sentences of a fixed order, so that a larger corpus contains a smaller one.
     order = list(range(len(SENTENCES)))
     random.Random(int(corpus.get("seed", 1))).shuffle(order)
     return [_utterance(number, corpus["root"], shards) for number in sorted(order[:count])]

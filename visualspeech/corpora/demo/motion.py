@@ -1,4 +1,4 @@
-"""What moves besides the mouth: the head, the eyelids, the light. All drawn from one generator per utterance."""
+"""Random movement of the head and the eyelids and changes of light, drawn from one generator per utterance."""
 
 from dataclasses import dataclass
 
@@ -7,7 +7,7 @@ import numpy as np
 
 @dataclass(frozen=True)
 class Motion:
-    """Movement of T frames.
+    """Head movement, blinks and light of T frames.
 
     Parameters
     ----------
@@ -15,7 +15,7 @@ class Motion:
     translation : (T, 3) canonical pixels
     closed_eyes : (T,) 0 open to 1 closed
     gain : (T, 3) factors on red, green and blue
-    slope : relative change of light from the left to the right border of the picture
+    slope : relative change of light from the left to the right border of the frame
     """
 
     rotation: np.ndarray
@@ -26,7 +26,7 @@ class Motion:
 
 
 def draw(times: np.ndarray, random: np.random.Generator) -> Motion:
-    """Movement at ``times`` (T,) seconds: slow swaying about a place that differs a little between utterances."""
+    """Random motion at ``times`` (T,) seconds: slow swaying about a position that varies a little per utterance."""
     degrees = np.stack([_sway(times, random, size) for size in (1.6, 2.6, 1.2)], axis=1)
     degrees += random.uniform(-1, 1, 3) * [1.5, 2.5, 1.0]
     translation = np.stack([_sway(times, random, size) for size in (2.0, 1.4, 7.0)], axis=1)
@@ -38,7 +38,7 @@ def draw(times: np.ndarray, random: np.random.Generator) -> Motion:
 
 
 def _sway(times: np.ndarray, random: np.random.Generator, size: float) -> np.ndarray:
-    """Smooth movement: five sines between 0.12 and 1.1 Hz with amplitudes falling with frequency."""
+    """Smooth random movement (T,): a sum of five sines from 0.12 to 1.1 Hz whose amplitudes fall with frequency."""
     frequencies = np.geomspace(0.12, 1.1, 5) * random.uniform(0.85, 1.15, 5)
     phases = random.uniform(0, 2 * np.pi, 5)
     amplitudes = frequencies**-0.8
@@ -47,6 +47,7 @@ def _sway(times: np.ndarray, random: np.random.Generator, size: float) -> np.nda
 
 
 def _blinks(times: np.ndarray, random: np.random.Generator) -> np.ndarray:
+    """Closure of the eyes (T,), 0 open to 1 closed, with blinks at random intervals."""
     closed = np.zeros(len(times))
     start = random.uniform(0.2, 2.5)
     while start < times[-1]:

@@ -1,4 +1,4 @@
-"""The moving lower face: where its points are for given mouth parameters, and what is seen inside the mouth."""
+"""The lower face of the demo speaker: its points for given mouth parameters, its warp, and the inside of the mouth."""
 
 from functools import lru_cache
 
@@ -8,10 +8,10 @@ from visualspeech.corpora.demo.portrait import MIDDLE, SEAM_BEND, neutral_points
 from visualspeech.corpora.demo.warp import evaluate, thin_plate
 
 HALF_WIDTH = 27.0
-REACH = 96.0  # half the width of what the mouth's movement reaches: the jaw and a little more
+REACH = 96.0  # half the width, in canonical pixels, of the area that moves with the mouth: the jaw and a margin
 TOP, BOTTOM = 165, 300
 CORNER = 231.5
-# Share of the chin's drop that each jaw point takes part in.
+# Drop of each jaw point as a share of the drop of the chin.
 _JAW_SHARE = np.array([0, 0, 0.02, 0.08, 0.25, 0.55, 0.85, 0.97, 1.0, 0.97, 0.85, 0.55, 0.25, 0.08, 0.02, 0, 0])
 _LINE = np.array([-0.97, -0.9, -0.66, -0.41, -0.2, 0.0, 0.2, 0.41, 0.66, 0.9, 0.97])
 _UPPER = [49, 50, 51, 52, 53]
@@ -24,7 +24,7 @@ _FIXED = np.array(
 
 
 def _profile(x: np.ndarray, half: float) -> np.ndarray:
-    """Shape of the opening over the mouth's width: 1 in the middle, 0 at the corners."""
+    """Relative height of the opening across the mouth: 1 in the middle, 0 at the corners."""
     return np.clip(1.0 - (x / half) ** 2, 0.0, 1.0) ** 0.75
 
 
@@ -36,7 +36,7 @@ def half_width(parameters: np.ndarray) -> float:
 
 
 def _lip_lines(x: np.ndarray, parameters: np.ndarray, half: float) -> tuple[np.ndarray, np.ndarray]:
-    """Heights of the inner upper and inner lower lip at distances ``x`` from the middle."""
+    """Canonical rows of the inner upper and inner lower lip at distances ``x`` from the middle."""
     opening, jaw, _, _, labiodental = parameters[:5]
     rest = CORNER + 0.14 * jaw + SEAM_BEND * np.clip(1 - (x / half) ** 2, 0, None)
     gap = max(opening, 0.0) * _profile(x, half)
@@ -69,17 +69,17 @@ def points(parameters: np.ndarray) -> np.ndarray:
 
 @lru_cache(maxsize=1)
 def _rest() -> tuple[np.ndarray, np.ndarray]:
-    """Resting places of the soft points beside the lips, and of the lips' line."""
+    """Positions at rest of the points in the skin beside the lips, (8, 2), and of the line between the lips."""
     soft = [(115, 215), (204, 215), (117, 243), (202, 243), (159.5, 215.5), (159.5, 256), (141, 255), (178, 255)]
     x = MIDDLE + HALF_WIDTH * _LINE
     return np.array(soft, float), np.stack([x, seam(x)], axis=1)
 
 
 class MouthWarp:
-    """Where a pixel of the moving face comes from in the resting face, above and below the mouth.
+    """Backward warp from the moving face to the face at rest.
 
-    Two smooth fields, one that follows the upper and one that follows the lower lip; they agree away from the mouth.
-    What neither reaches is the inside of the mouth.
+    It consists of two smooth fields, one that follows the upper lip and one that follows the lower lip; they agree away
+    from the mouth. Pixels that neither field maps to skin are the inside of the mouth.
     """
 
     def __init__(self, parameters: np.ndarray) -> None:
@@ -102,22 +102,24 @@ class MouthWarp:
             target = np.concatenate([both_moved, moved[own], np.stack([MIDDLE + x, heights], axis=1)])
             self._fields.append((thin_plate(target, source - target, 0.5), target))
 
-    def __call__(self, places: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Resting places (m, 2) of canonical places (m, 2): by the upper and by the lower field."""
-        # The movement ends softly above the nose's base and outside the face.
-        low = np.clip((places[:, 1] - TOP) / 30, 0, 1)
-        side = np.clip((REACH - np.abs(places[:, 0] - MIDDLE)) / 20, 0, 1)
+    def __call__(self, points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Positions at rest (m, 2) of canonical points (m, 2), by the upper and by the lower field."""
+        # The movement fades out above the base of the nose and beside the face.
+        low = np.clip((points[:, 1] - TOP) / 30, 0, 1)
+        side = np.clip((REACH - np.abs(points[:, 0] - MIDDLE)) / 20, 0, 1)
         weight = (low * low * (3 - 2 * low) * side)[:, None]
-        return tuple(places + weight * evaluate(field, target, places) for field, target in self._fields)
+        return tuple(points + weight * evaluate(field, target, points) for field, target in self._fields)
 
 
-def inside(places: np.ndarray, below_upper_lip: np.ndarray, parameters: np.ndarray) -> np.ndarray:
-    """Colours (..., 3) float of the mouth's inside at canonical places (..., 2): cavity, teeth and tongue.
+def inside(points: np.ndarray, below_upper_lip: np.ndarray, parameters: np.ndarray) -> np.ndarray:
+    """Colours (..., 3) float32 of cavity, teeth and tongue at canonical points (..., 2).
 
-    ``below_upper_lip`` (...,) is the distance from the upper lip in canonical pixels, whose shadow falls on the teeth.
+    Parameters
+    ----------
+    below_upper_lip : (...) distance from the upper lip in canonical pixels; the lip casts a shadow on the teeth
     """
     opening, jaw, _, _, labiodental, tongue = parameters
-    x, y = places[..., 0] - MIDDLE, places[..., 1]
+    x, y = points[..., 0] - MIDDLE, points[..., 1]
     half = half_width(parameters)
     colours = np.empty((*x.shape, 3), np.float32)
     colours[:] = (46, 16, 15)
@@ -127,7 +129,7 @@ def inside(places: np.ndarray, below_upper_lip: np.ndarray, parameters: np.ndarr
     lower_edge = 237.0 + 0.80 * jaw + 0.006 * x**2
     lower = _step(y - lower_edge, 1.0) * _step(17.5 - np.abs(x), 1.5) * (1 - 0.8 * labiodental)
     colours = _over(colours, lower, _teeth(x, (0.0, 5.2, 10.6, 15.5), 0.86))
-    # The tip of the tongue comes before the lower teeth when it is high and the mouth open (th, l).
+    # A raised tip of the tongue is in front of the lower teeth (th, l).
     tip = max(tongue - 0.6, 0.0) / 0.4
     colours = _over(colours, tip * _step(y - 238.6 - 0.02 * x**2, 1.5) * _step(12 - np.abs(x), 3.0), (158, 82, 76))
     upper_edge = 235.6 - 0.0085 * x**2 + 0.35 * np.cos(x * np.pi / 4.1)
@@ -147,6 +149,6 @@ def _over(colours: np.ndarray, share: np.ndarray, colour) -> np.ndarray:
 
 
 def _teeth(x: np.ndarray, borders: tuple, light: float) -> np.ndarray:
-    """Colour of a row of teeth whose borders lie at these distances from the middle."""
+    """Colours of a row of teeth with borders at these distances from the middle."""
     gaps = sum(np.exp(-(((np.abs(x) - border) / 0.55) ** 2)) for border in borders)
     return (light * (1 - 0.28 * gaps))[..., None] * np.array([214, 204, 184], np.float32)

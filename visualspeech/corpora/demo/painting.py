@@ -1,4 +1,4 @@
-"""What of the demo speaker is painted: lips, brows, iris, skin grain; neck, pullover and backdrop."""
+"""The painted parts of the demo speaker: lips, brows, irises and skin grain; neck, pullover and backdrop."""
 
 from collections.abc import Callable
 
@@ -7,14 +7,14 @@ import numpy as np
 _SKIN = np.array([190, 146, 110], np.float32)
 
 
-def made_up(colours: np.ndarray, points: np.ndarray, seam: Callable, scale: int) -> np.ndarray:
-    """Colour lips, brows and iris of the head picture and give the skin grain.
+def paint_face(colours: np.ndarray, points: np.ndarray, seam: Callable, scale: int) -> np.ndarray:
+    """The head image with painted lips, brows and irises, and with skin grain.
 
     Parameters
     ----------
-    colours : (rows, columns, 3) float32 RGB, ``scale`` pixels for one canonical pixel
-    points : (68, 2) canonical points of the closed face
-    seam : height of the line between the lips, by canonical column
+    colours : (rows, columns, 3) float32 RGB, ``scale`` pixels per canonical pixel
+    points : (68, 2) canonical points of the face with the mouth closed
+    seam : canonical row of the line between the lips, as a function of the canonical column
     """
     import cv2
 
@@ -29,15 +29,15 @@ def made_up(colours: np.ndarray, points: np.ndarray, seam: Callable, scale: int)
 
 
 def _filled(cv2, shape: tuple, polygon: np.ndarray, scale: int, blur: float) -> np.ndarray:
-    """Soft mask 0..1 of a canonical polygon."""
+    """Mask (rows, columns) from 0 to 1 of a canonical polygon, with blurred edges."""
     mask = np.zeros(shape[:2], np.uint8)
-    at = np.round((polygon * scale + (scale - 1) / 2) * 16).astype(np.int32)
-    cv2.fillPoly(mask, [at], 255, cv2.LINE_AA, 4)
+    corners = np.round((polygon * scale + (scale - 1) / 2) * 16).astype(np.int32)
+    cv2.fillPoly(mask, [corners], 255, cv2.LINE_AA, 4)
     return cv2.GaussianBlur(mask.astype(np.float32) / 255, (0, 0), blur)
 
 
 def smooth_curve(points: np.ndarray, number: int) -> np.ndarray:
-    """A smooth curve through points (n, 2): ``number`` points, cubic in the chord length."""
+    """A smooth curve (number, 2) through points (n, 2): a cubic spline over the chord length."""
     from scipy.interpolate import CubicSpline
 
     chord = np.concatenate([[0], np.cumsum(np.linalg.norm(np.diff(points, axis=0), axis=1))])
@@ -45,7 +45,7 @@ def smooth_curve(points: np.ndarray, number: int) -> np.ndarray:
 
 
 def _softened_folds(cv2, colours: np.ndarray, points: np.ndarray, scale: int) -> np.ndarray:
-    """The smile of the photograph left folds beside the mouth: bring them nearer to their surroundings."""
+    """Colours with softer folds beside the mouth, which remain of the smile in the photograph."""
     centre = points[48:60].mean(axis=0)
     y, x = np.mgrid[: colours.shape[0], : colours.shape[1]].astype(np.float32) / scale
     around = np.exp(-(((np.abs(x - centre[0]) - 38) / 13) ** 2) - ((y - centre[1] + 20) / 24) ** 2)
@@ -69,8 +69,8 @@ def _lips(cv2, colours: np.ndarray, points: np.ndarray, seam: Callable, scale: i
         paint = np.array(colour, np.float32) + 0.35 * detail + light * shine
         colours = colours + mask * (paint - colours)
     dark = np.zeros(colours.shape[:2], np.uint8)
-    at = np.round((line * scale + (scale - 1) / 2) * 16).astype(np.int32)
-    cv2.polylines(dark, [at], False, 255, 2, cv2.LINE_AA, 4)
+    corners = np.round((line * scale + (scale - 1) / 2) * 16).astype(np.int32)
+    cv2.polylines(dark, [corners], False, 255, 2, cv2.LINE_AA, 4)
     mask = 0.75 * cv2.GaussianBlur(dark.astype(np.float32) / 255, (0, 0), 0.9)[..., None]
     return colours + mask * (np.array([74, 34, 32], np.float32) - colours)
 
@@ -79,10 +79,10 @@ def _brows(cv2, colours: np.ndarray, points: np.ndarray, scale: int, random: np.
     hairs = np.zeros(colours.shape[:2], np.uint8)
     for brow, outward in ((points[17:22], -1), (points[22:27][::-1], 1)):
         curve = smooth_curve(brow, 120)
-        for i, place in enumerate(curve):
+        for i, point in enumerate(curve):
             thick = 3.3 * np.sin(np.pi * (0.12 + 0.8 * i / len(curve)))
             for _ in range(3):
-                start = place + random.normal(0, 0.42, 2) * [1, thick]
+                start = point + random.normal(0, 0.42, 2) * [1, thick]
                 end = start + [outward * random.uniform(2, 4.5), random.uniform(-2.2, 0.4)]
                 ends = np.round((np.stack([start, end]) * scale) * 16).astype(np.int32)
                 cv2.line(hairs, tuple(map(int, ends[0])), tuple(map(int, ends[1])), 150, 1, cv2.LINE_AA, 4)
@@ -102,8 +102,8 @@ def _irises(cv2, colours: np.ndarray, points: np.ndarray, scale: int) -> np.ndar
     return colours
 
 
-def surroundings(width: int, height: int) -> tuple[np.ndarray, np.ndarray]:
-    """Backdrop (height, width, 3) and body (height, width, 4: RGB and coverage), uint8, for a head of 150 px width."""
+def backdrop_and_body(width: int, height: int) -> tuple[np.ndarray, np.ndarray]:
+    """Backdrop (height, width, 3) and body (height, width, 4: RGB and coverage), uint8, for a head 150 pixels wide."""
     import cv2
 
     random = np.random.default_rng(360)
@@ -137,4 +137,4 @@ def surroundings(width: int, height: int) -> tuple[np.ndarray, np.ndarray]:
     colours = skin + cloth[..., None] * (wool - skin)
     coverage = np.maximum(neck, cloth)
     body = np.dstack([colours, 255 * coverage])
-    return tuple(np.clip(picture + 0.5, 0, 255).astype(np.uint8) for picture in (backdrop, body))
+    return tuple(np.clip(image + 0.5, 0, 255).astype(np.uint8) for image in (backdrop, body))

@@ -1,10 +1,11 @@
-"""The demo speaker's face: nobody's, made from a public-domain photograph.
+"""The face of the demo speaker, who is not a real person, made from a public-domain photograph.
 
-The photograph is :func:`skimage.data.astronaut` (NASA, public domain). It is mirrored, made symmetric and brought to
-other proportions (eye distance, nose, jaw, mouth, hair line) by a thin-plate warp; the smile is closed, lips, brows,
-hair, skin and iris are coloured anew; clothes and backdrop are painted. What is left of the photograph is its texture.
+The photograph is :func:`skimage.data.astronaut` (NASA, public domain). It is mirrored, made symmetric and given other
+proportions (eye distance, nose, jaw, mouth, hair line) by a thin-plate warp. The mouth is closed; lips, brows, hair,
+skin and irises are recoloured; clothes and backdrop are painted. Only the texture of the photograph is left.
 
-Canonical pixels: the output picture of 320 x 360 with the head facing the camera. The head is kept at twice that.
+Canonical pixels are those of the 320 x 360 output image with the head facing the camera. The head image is stored at
+twice that resolution.
 """
 
 from dataclasses import dataclass
@@ -16,10 +17,10 @@ from visualspeech.corpora.demo import painting
 from visualspeech.corpora.demo.warp import evaluate, grid, thin_plate
 
 WIDTH, HEIGHT = 320, 360
-SCALE = 2  # pixels of the kept pictures for one canonical pixel
+SCALE = 2  # pixels of the head image per canonical pixel
 MIDDLE = 159.5
 
-# The 68 iBUG points in the photograph, pixels of its upper left 300 x 300 part from column 60 on.
+# The 68 iBUG points in the photograph, in pixels of its 300 x 300 crop that begins at row 0 and column 60.
 _JAW = "119.7 104 120 115.3 121 127 122 138 125 150 131 160 140 168.5 150 175.5 163 178 173 177 184 171 194 163 201 154"
 _JAW += " 205.5 143 208.5 131 211 120 212.5 108"
 _BROWS = "129 90.5 134 88.5 140 88 147 90.5 154 93 178 93.5 185 92.5 192 92.5 198 93.5 203 96.5"
@@ -31,7 +32,7 @@ _OUTER = "143.5 140 149 139.5 157.5 139.8 164 140.6 170.5 139.8 179 139.6 184.5 
 _OUTER += " 157 155.5 150 151"
 _INNER = "144.5 140.6 156 142.8 164 143.8 172 143 183.5 140.8 172 148.8 164 149.6 156 149"
 _SOURCE = np.array(" ".join([_JAW, _BROWS, _NOSE, _EYES, _OUTER, _INNER]).split(), float).reshape(68, 2)
-# Outline of the head above the jaw, from one ear lobe over the hair to the other, and the hair line on the forehead.
+# Outline of the head from one ear lobe over the hair to the other, and the hair line on the forehead.
 _HAIR = (
     "116 131 112 126 104 110 95 84 94 68 100 55 113 43 128 38 133 30 147 20 166 16 182 15.5 200 21 220 33 233 50 240 70"
 )
@@ -83,18 +84,19 @@ def neutral_points() -> np.ndarray:
 
 
 def seam(x: np.ndarray) -> np.ndarray:
-    """Height of the line where the closed lips meet, at canonical columns ``x``."""
+    """Canonical row of the line between the closed lips, at canonical columns ``x``."""
     return 231.5 + SEAM_BEND * (1.0 - ((x - MIDDLE) / 27.0) ** 2)
 
 
 @dataclass(frozen=True)
 class Portrait:
-    """The pictures that every frame is made of.
+    """The images from which frames are rendered.
 
     Parameters
     ----------
-    head : (SCALE * HEIGHT, SCALE * WIDTH, 4) uint8, RGB and coverage of the head, mouth and eyes as they rest
-    backdrop, body : (HEIGHT, WIDTH, 3 and 4) uint8, what is behind the head; the body has coverage too
+    head : (SCALE * HEIGHT, SCALE * WIDTH, 4) uint8, RGB and coverage of the head with mouth and eyes at rest
+    backdrop : (HEIGHT, WIDTH, 3) uint8 RGB
+    body : (HEIGHT, WIDTH, 4) uint8, RGB and coverage
     """
 
     head: np.ndarray
@@ -104,7 +106,7 @@ class Portrait:
 
 @lru_cache(maxsize=1)
 def portrait() -> Portrait:
-    """Make the pictures (once a process, about a second)."""
+    """The images of the demo speaker; made once per process, in about a second."""
     import cv2
     import skimage.data
 
@@ -114,46 +116,43 @@ def portrait() -> Portrait:
     colours = _remap(cv2, photograph, maps)
     hair, skin = _regions(cv2, colours)
     colours = _recoloured(cv2, colours, hair, skin)
-    colours = painting.made_up(colours, neutral_points(), seam, SCALE)
+    colours = painting.paint_face(colours, neutral_points(), seam, SCALE)
     head = np.dstack([colours, 255.0 * coverage])[:, ::-1]  # mirrored
-    backdrop, body = painting.surroundings(WIDTH, HEIGHT)
+    backdrop, body = painting.backdrop_and_body(WIDTH, HEIGHT)
     return Portrait(np.ascontiguousarray(np.clip(head + 0.5, 0, 255)).astype(np.uint8), backdrop, body)
 
 
-def _remap(cv2, picture: np.ndarray, maps: np.ndarray) -> np.ndarray:
+def _remap(cv2, image: np.ndarray, maps: np.ndarray) -> np.ndarray:
     x, y = np.ascontiguousarray(maps[..., 0]), np.ascontiguousarray(maps[..., 1])
-    return cv2.remap(picture, x, y, cv2.INTER_CUBIC, borderMode=cv2.BORDER_REPLICATE)
+    return cv2.remap(image, x, y, cv2.INTER_CUBIC, borderMode=cv2.BORDER_REPLICATE)
 
 
 def canonical_coordinates() -> tuple[np.ndarray, np.ndarray]:
-    """Canonical column and row of every pixel of the kept head picture, each (SCALE * HEIGHT, SCALE * WIDTH)."""
+    """Canonical column and row of every pixel of the head image, each (SCALE * HEIGHT, SCALE * WIDTH)."""
     x = (np.arange(SCALE * WIDTH, dtype=np.float32) + 0.5) / SCALE - 0.5
     y = (np.arange(SCALE * HEIGHT, dtype=np.float32) + 0.5) / SCALE - 0.5
     return np.broadcast_to(x, (len(y), len(x))), np.broadcast_to(y[:, None], (len(y), len(x)))
 
 
 def above_seam(x: np.ndarray, y: np.ndarray, sharp: float = 1.0) -> np.ndarray:
-    """How far a point belongs to the part above the mouth, 0 to 1: sharp between the lips, soft beside them."""
+    """Share (0 to 1) by which points belong to the face above the seam; a sharp edge between the lips, soft beside."""
     beside = np.maximum(np.abs(x - MIDDLE) - 27.0, 0.0)
     return np.clip(0.5 - (y - seam(np.clip(x, MIDDLE - 40, MIDDLE + 40))) / (sharp + 0.8 * beside), 0.0, 1.0)
 
 
 def _source_maps() -> np.ndarray:
-    """Photograph coordinates of every head pixel, (rows, columns, 2) float32."""
+    """Photograph coordinates of every pixel of the head image, (rows, columns, 2) float32."""
     import cv2
 
     points = neutral_points()
-    parts = {
-        "upper": [*range(0, 55), *range(60, 65)],
-        "lower": [*range(0, 49), *range(54, 61), *range(64, 68)],
-    }
+    upper, lower = [*range(0, 55), *range(60, 65)], [*range(0, 49), *range(54, 61), *range(64, 68)]
     x, y = canonical_coordinates()
-    places, rows, columns = grid(-4, -4, WIDTH + 4, HEIGHT + 4, 4)
+    nodes, rows, columns = grid(-4, -4, WIDTH + 4, HEIGHT + 4, 4)
     fields = []
-    for own in parts.values():
+    for own in (upper, lower):
         target = np.concatenate([points[own], _HAIR_TARGET, _HAIRLINE_TARGET])
         source = np.concatenate([_SOURCE[own], _HAIR, _HAIRLINE])
-        coarse = evaluate(thin_plate(target, source, 4.0), target, places).reshape(rows, columns, 2)
+        coarse = evaluate(thin_plate(target, source, 4.0), target, nodes).reshape(rows, columns, 2)
         at = [np.ascontiguousarray((axis + 4) / 4, dtype=np.float32) for axis in (x, y)]
         fields.append(cv2.remap(coarse.astype(np.float32), *at, cv2.INTER_CUBIC, borderMode=cv2.BORDER_REPLICATE))
     share = above_seam(x, y, 0.5)[..., None]
@@ -161,7 +160,7 @@ def _source_maps() -> np.ndarray:
 
 
 def _coverage(cv2, photograph: np.ndarray) -> np.ndarray:
-    """Coverage 0..1 of the head in the photograph: a hand-drawn outline, its border found by the backdrop's colour."""
+    """Coverage (0 to 1) of the head in the photograph: a drawn outline, refined by the colour of the backdrop."""
     outline = np.concatenate([_HAIR, _SOURCE[13:2:-1]])
     inside = np.zeros(photograph.shape[:2], np.uint8)
     cv2.fillPoly(inside, [np.round(outline * 16).astype(np.int32)], 255, cv2.LINE_AA, 4)
@@ -173,27 +172,27 @@ def _coverage(cv2, photograph: np.ndarray) -> np.ndarray:
     different = np.clip((np.abs(photograph - behind).max(axis=2) - 14) / 40, 0, 1)
     core = cv2.erode(inside, np.ones((7, 7), np.uint8)).astype(np.float32) / 255
     found = np.maximum(core, np.minimum(wide, different))
-    # The jaw and the ears stand before the suit and the neck: there the drawing decides.
+    # Jaw and ears are in front of the suit and the neck, where only the drawn outline is reliable.
     y = np.arange(len(found))[:, None]
     low = np.clip((y - 95) / 20.0, 0, 1)
     return ((1 - low) * found + low * drawn).astype(np.float32)
 
 
 def _regions(cv2, colours: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Soft masks 0..1 of hair and skin on the head picture."""
+    """Masks (0 to 1) of hair and skin in the head image, with soft edges."""
     points = neutral_points()
     face = np.concatenate([points[0:17], _HAIRLINE_TARGET[::-1]])
     mask = np.zeros(colours.shape[:2], np.uint8)
     cv2.fillPoly(mask, [np.round((face * SCALE + 0.5) * 16).astype(np.int32)], 255, cv2.LINE_AA, 4)
     soft = cv2.GaussianBlur(mask.astype(np.float32) / 255, (0, 0), 5)
-    # Skin is redder and lighter than hair; it decides near the drawn border.
+    # Skin is redder and lighter than hair, which separates them near the drawn border.
     smooth = cv2.GaussianBlur(colours, (0, 0), 1.5)
-    likeness = np.clip((smooth[..., 0] - 150) / 50, 0, 1)
+    redness = np.clip((smooth[..., 0] - 150) / 50, 0, 1)
     near = 4 * soft * (1 - soft)
-    skin = (1 - near) * soft + near * likeness
+    skin = (1 - near) * soft + near * redness
     x, y = canonical_coordinates()
-    # Below the hair there are only cheeks, ears and jaw, up to the border.
-    low = np.clip((y - 178) / 8, 0, 1) * np.maximum(np.clip((y - 196) / 6, 0, 1), likeness)
+    # Below the hair, everything up to the outline is skin.
+    low = np.clip((y - 178) / 8, 0, 1) * np.maximum(np.clip((y - 196) / 6, 0, 1), redness)
     skin = np.maximum(skin, low).astype(np.float32)
     return 1.0 - skin, skin
 

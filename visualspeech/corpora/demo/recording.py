@@ -1,4 +1,4 @@
-"""Recordings of the demo speaker: video with sound, the transcript beside it, and the truth in a file apart."""
+"""Recordings of the demo speaker: video with sound, a transcript beside it, and the ground truth in one file."""
 
 import zlib
 from collections.abc import Iterable
@@ -34,24 +34,23 @@ class DemoSettings(Settings):
         0.2, "Silence before and after the speech, filled with quiet noise, in seconds.", minimum=0, maximum=5
     )
     noise: float = setting(5.0, "Standard deviation of the background noise, in 16-bit steps.", minimum=0, maximum=1000)
-    articulation: float = setting(
-        1.0, "How wide the speaker opens the mouth, as a multiple of normal speech.", minimum=0, maximum=1.5
-    )
+    articulation: float = setting(1.0, "Opening of the mouth, as a multiple of normal speech.", minimum=0, maximum=1.5)
 
 
 @dataclass(frozen=True)
 class Truth:
-    """What a recording holds, known because it was made.
+    """The ground truth of a recording.
 
     Parameters
     ----------
     parameters : (T, 6) mouth parameters, in the order of ``articulation.PARAMETERS``
-    points : (T, 68, 2) image points, pixels, iBUG order
-    frontal : (T, 68, 2) the same of the head without pose, canonical pixels
-    rotation : (T, 3) Rodrigues vectors; translation : (T, 3) canonical pixels
+    points : (T, 68, 2) points in the frame, in pixels, iBUG order
+    frontal : (T, 68, 2) the same points of the head without pose, in canonical pixels
+    rotation : (T, 3) Rodrigues vectors in radians
+    translation : (T, 3) in canonical pixels
     closed_eyes : (T,) 0 open to 1 closed
-    phones, words : (label, start, end) in seconds of the recording; phones follow each other from 0 to the end
-    duration : seconds
+    phones, words : (label, start, end) in seconds; phones cover the recording without gaps
+    duration : of the recording in seconds
     """
 
     parameters: np.ndarray
@@ -71,12 +70,12 @@ def record_shard(
     truth_path: str | Path,
     settings: DemoSettings | None = None,
 ) -> None:
-    """Record utterances: ``folder/id.mp4`` and ``folder/id.txt`` of each, and one file with the truth of all.
+    """Record utterances: ``folder/id.mp4`` and ``folder/id.txt`` for each, and one file with the ground truth of all.
 
     Raises
     ------
     StorageError
-        Something cannot be written.
+        A file cannot be written.
     """
     from visualspeech.corpora.demo.listing import media_path
 
@@ -95,11 +94,11 @@ def record_shard(
 
 
 def record(utterance: Utterance, path: str | Path, settings: DemoSettings | None = None, renderer=None) -> Truth:
-    """Record one utterance at ``path`` (MP4), its transcript beside it as ``.txt``; returns the truth.
+    """Write the recording of one utterance (MP4) and its transcript (``.txt``); returns the ground truth.
 
     Parameters
     ----------
-    renderer : a :class:`visualspeech.corpora.demo.rendering.Renderer` to use again; made where there is none
+    renderer : a :class:`visualspeech.corpora.demo.rendering.Renderer` to reuse; default: a new one
     """
     from visualspeech.corpora.demo import articulation, motion
     from visualspeech.corpora.demo.rendering import Renderer, image_points
@@ -139,7 +138,10 @@ def record(utterance: Utterance, path: str | Path, settings: DemoSettings | None
 
 
 def _padded(speech, settings: DemoSettings, random: np.random.Generator) -> tuple[np.ndarray, tuple, tuple]:
-    """The speech with quiet noise around and under it, to a whole number of frames; phones and words in its times."""
+    """Samples, phones and words of the speech with silence before and after it and quiet noise throughout.
+
+    The duration is a whole number of frames; the times of phones and words count from the first sample.
+    """
     lead = int(round(settings.silence * speech.rate))
     frames = int(np.ceil((len(speech.samples) + 2 * lead) / speech.rate * settings.rate))
     total = int(round(frames / settings.rate * speech.rate))
@@ -159,7 +161,7 @@ def _padded(speech, settings: DemoSettings, random: np.random.Generator) -> tupl
 
 
 def add_truth(out: ArrayWriter, utterance_id: str, truth: Truth, rate: float) -> None:
-    """Write the truth of one utterance; labels of phones and words are attributes, separated by blanks."""
+    """Write the ground truth of one utterance; labels of phones and words become attributes, separated by spaces."""
     arrays = {
         "parameters": truth.parameters,
         "points": truth.points.astype(np.float32),
@@ -185,7 +187,7 @@ def add_truth(out: ArrayWriter, utterance_id: str, truth: Truth, rate: float) ->
 
 
 def read_truth(reader: ArrayReader, utterance_id: str) -> Truth:
-    """What :func:`add_truth` wrote."""
+    """The ground truth that :func:`add_truth` wrote."""
     arrays, attributes = reader[utterance_id], reader.attributes(utterance_id)
     tiers = [
         tuple(

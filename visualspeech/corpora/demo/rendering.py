@@ -1,4 +1,4 @@
-"""Frames of the demo speaker."""
+"""Rendering of the frames of the demo speaker."""
 
 import numpy as np
 
@@ -13,7 +13,7 @@ _LID_TRAVEL = 14.0
 
 
 def image_points(parameters: np.ndarray, motion: Motion, frame: int) -> tuple[np.ndarray, np.ndarray]:
-    """True places of the 68 points: in the canonical (frontal) picture and in the frame, each (68, 2) pixels."""
+    """True positions of the 68 points in the canonical (frontal) image and in the frame, each (68, 2) pixels."""
     canonical = mouth.points(parameters)
     for top_outer, top_inner, low_inner, low_outer, *_ in _EYES:
         for top, low in ((top_outer, low_outer), (top_inner, low_inner)):
@@ -22,26 +22,26 @@ def image_points(parameters: np.ndarray, motion: Motion, frame: int) -> tuple[np
 
 
 class Renderer:
-    """Draws frames; the pictures it needs are made once."""
+    """Renders frames; the images of the speaker are loaded once."""
 
     def __init__(self) -> None:
         import cv2
 
         self._cv2 = cv2
-        made = portrait()
-        # Sampled at half its resolution: a little smoothing keeps the sampling free of shimmer.
-        self._head = cv2.GaussianBlur(made.head, (0, 0), 0.55)
-        cover = made.body[..., 3:] / 255.0
-        self._scene = (made.backdrop * (1 - cover) + made.body[..., :3] * cover).astype(np.uint8)
+        images = portrait()
+        # Sampled at half its resolution, the image would alias without a little smoothing.
+        self._head = cv2.GaussianBlur(images.head, (0, 0), 0.55)
+        cover = images.body[..., 3:] / 255.0
+        self._scene = (images.backdrop * (1 - cover) + images.body[..., :3] * cover).astype(np.uint8)
         grain = np.random.default_rng(25).standard_normal((8, HEIGHT, WIDTH, 1), dtype=np.float32)
         self._grain = np.repeat(1.3 * grain, 3, axis=3)
-        # Centres of cells of _STEP pixels, the first cell before the border: cv2.resize then puts them where they are.
+        # Centres of cells of _STEP pixels from one cell before the border, as cv2.resize interpolates between centres.
         x = (np.arange(_CELLS[0]) - 0.5) * _STEP - 0.5
         y = (np.arange(_CELLS[1]) - 0.5) * _STEP - 0.5
-        self._places = np.stack([np.tile(x, len(y)), np.repeat(y, len(x))], axis=1)
+        self._nodes = np.stack([np.tile(x, len(y)), np.repeat(y, len(x))], axis=1)
 
     def frame(self, parameters: np.ndarray, motion: Motion, index: int) -> np.ndarray:
-        """One frame, RGB uint8 (HEIGHT, WIDTH, 3).
+        """One frame, (HEIGHT, WIDTH, 3) uint8 RGB.
 
         Parameters
         ----------
@@ -51,7 +51,7 @@ class Renderer:
         """
         cv2 = self._cv2
         rotation, translation = motion.rotation[index], motion.translation[index]
-        canonical = camera.unproject(self._places, rotation, translation)
+        canonical = camera.unproject(self._nodes, rotation, translation)
         reached = (canonical[:, 1] > mouth.TOP) & (np.abs(canonical[:, 0] - MIDDLE) < mouth.REACH)
         upper, lower = canonical.copy(), canonical.copy()
         upper[reached], lower[reached] = mouth.MouthWarp(parameters)(canonical[reached])
@@ -65,35 +65,35 @@ class Renderer:
         head[box] = self._with_mouth(head[box], upper[box], lower, canonical, parameters)
         sway = np.float32([[1, 0, 0.35 * translation[0]], [0, 1, 0.2 * translation[1]]])
         scene = cv2.warpAffine(self._scene, sway, (WIDTH, HEIGHT), borderMode=cv2.BORDER_REPLICATE)
-        picture = self._over(head, scene)
+        image = self._over(head, scene)
         across = (np.arange(WIDTH, dtype=np.float32) - MIDDLE) / WIDTH
         light = (1 + motion.slope * across)[None, :, None] * motion.gain[index].astype(np.float32)
-        picture = cv2.multiply(picture, np.repeat(light, HEIGHT, axis=0))
-        return cv2.add(picture, self._grain[(index * 5) % 8], dtype=cv2.CV_8U)
+        image = cv2.multiply(image, np.repeat(light, HEIGHT, axis=0))
+        return cv2.add(image, self._grain[(index * 5) % 8], dtype=cv2.CV_8U)
 
     def _over(self, head: np.ndarray, scene: np.ndarray) -> np.ndarray:
-        """The head before the scene, float32 RGB."""
+        """The head in front of the scene, float32 RGB."""
         cv2 = self._cv2
         colours, cover = head[..., :3], cv2.cvtColor(head[..., 3], cv2.COLOR_GRAY2RGB)
         behind = scene.astype(np.float32)
         return cv2.add(behind, cv2.multiply(cv2.subtract(colours, behind), cover, scale=1 / 255))
 
     def _dense(self, coarse: np.ndarray) -> np.ndarray:
-        """A field on the coarse grid (n, 2) to every pixel (HEIGHT, WIDTH, 2) float32."""
+        """A field (HEIGHT, WIDTH, 2) float32, interpolated from its values (n, 2) on the coarse grid."""
         columns, rows = _CELLS
         field = coarse.reshape(rows, columns, 2).astype(np.float32)
         dense = self._cv2.resize(field, (columns * _STEP, rows * _STEP), interpolation=self._cv2.INTER_LINEAR)
         return dense[_STEP : _STEP + HEIGHT, _STEP : _STEP + WIDTH]
 
-    def _sample(self, places: np.ndarray) -> np.ndarray:
-        """The head picture at canonical places (rows, columns, 2), float32 RGB and coverage."""
-        at = places * np.float32(SCALE) + np.float32((SCALE - 1) / 2)
+    def _sample(self, points: np.ndarray) -> np.ndarray:
+        """The head image at canonical points (rows, columns, 2), float32 RGB and coverage."""
+        pixels = points * np.float32(SCALE) + np.float32((SCALE - 1) / 2)
         return self._cv2.remap(
-            self._head, at, None, self._cv2.INTER_LINEAR, borderMode=self._cv2.BORDER_CONSTANT
+            self._head, pixels, None, self._cv2.INTER_LINEAR, borderMode=self._cv2.BORDER_CONSTANT
         ).astype(np.float32)
 
     def _box(self, rotation: np.ndarray, translation: np.ndarray) -> tuple[slice, slice]:
-        """The part of the picture that the moving lower face can fill."""
+        """Rows and columns of the frame that the moving lower face can cover."""
         left, top, right, bottom = MIDDLE - mouth.REACH, mouth.TOP, MIDDLE + mouth.REACH, mouth.BOTTOM
         corners = np.array([[left, top], [right, top], [left, bottom], [right, bottom], [MIDDLE, top]], float)
         seen = camera.project(corners, rotation, translation)
@@ -107,20 +107,20 @@ class Renderer:
         share_below = 1 - above_seam(lower[..., 0], lower[..., 1])
         both = share_above + share_below
         skin = (share_above[..., None] * above + share_below[..., None] * below) / np.maximum(both, 1e-3)[..., None]
-        open_part = np.clip(1 - both, 0, 1)
-        rows, columns = np.nonzero(open_part > 0.002)
+        opening = np.clip(1 - both, 0, 1)
+        rows, columns = np.nonzero(opening > 0.002)
         if len(rows):
             distance = upper[rows, columns, 1] - seam(upper[rows, columns, 0])
             colours = mouth.inside(canonical[rows, columns], distance, parameters)
-            share = open_part[rows, columns, None]
+            share = opening[rows, columns, None]
             skin[rows, columns, :3] += share * (colours - skin[rows, columns, :3])
             skin[rows, columns, 3] += share[:, 0] * (255 - skin[rows, columns, 3])
         return skin
 
-    def _with_lids(self, places: np.ndarray, canonical: np.ndarray, closed: float) -> np.ndarray:
-        """Eyelid skin drawn over the eyes; what the eye shows is pressed into the line of the lashes."""
+    def _with_lids(self, sources: np.ndarray, canonical: np.ndarray, closed: float) -> np.ndarray:
+        """The map with the upper eyelids lowered: lid skin is stretched over the eyes, which are squeezed below it."""
         points = mouth.neutral_points()
-        places = places.copy()
+        sources = sources.copy()
         x, y = canonical[..., 0], canonical[..., 1]
         for eye in _EYES:
             corner_a, corner_b = points[eye[4]], points[eye[5]]
@@ -134,5 +134,5 @@ class Renderer:
             pressed = top + (y - lid) * (low - top) / np.maximum(low - lid, 1e-3)
             moved = np.where(y < lid, stretched, pressed)
             near = (arch > 0) & (y > brow) & (y < low)
-            places[..., 1] = np.where(near, moved, places[..., 1])
-        return places
+            sources[..., 1] = np.where(near, moved, sources[..., 1])
+        return sources

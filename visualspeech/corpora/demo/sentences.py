@@ -1,4 +1,4 @@
-"""What the demo speaker says: sentences written for this corpus, rich in phones, mouth closures and rounding."""
+"""The sentences of the demo speaker, written for this corpus with many mouth closures and rounded vowels."""
 
 SENTENCES = (
     "My brother Paul keeps a big brown bear in the barn.",

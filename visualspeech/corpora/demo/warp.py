@@ -1,12 +1,12 @@
-"""Smooth warps through given points: thin-plate splines (Bookstein 1989), in plain numpy."""
+"""Thin-plate splines (Bookstein 1989): smooth warps that map given points to given values."""
 
 import numpy as np
 
 
 def thin_plate(centres: np.ndarray, values: np.ndarray, stiffness: float = 0.0) -> np.ndarray:
-    """Coefficients of the thin-plate spline that takes ``values`` (n, k) at ``centres`` (n, 2); shape (n + 3, k).
+    """Coefficients (n + 3, k) of the thin-plate spline with ``values`` (n, k) at ``centres`` (n, 2).
 
-    ``stiffness`` > 0 smooths instead of interpolating exactly.
+    A ``stiffness`` above 0 smooths instead of interpolating exactly.
     """
     n = len(centres)
     system = np.zeros((n + 3, n + 3))
@@ -20,7 +20,7 @@ def thin_plate(centres: np.ndarray, values: np.ndarray, stiffness: float = 0.0) 
 
 
 def evaluate(coefficients: np.ndarray, centres: np.ndarray, points: np.ndarray) -> np.ndarray:
-    """The spline at ``points`` (m, 2); shape (m, k)."""
+    """Values (m, k) of a spline at ``points`` (m, 2)."""
     n = len(centres)
     return _kernel(points, centres) @ coefficients[:n] + coefficients[n] + points @ coefficients[n + 1 :]
 
@@ -31,7 +31,7 @@ def _kernel(a: np.ndarray, b: np.ndarray) -> np.ndarray:
 
 
 def grid(left: float, top: float, right: float, bottom: float, step: float) -> tuple[np.ndarray, int, int]:
-    """Points (rows * columns, 2) of a regular grid from corner to corner, with its rows and columns."""
+    """Points (rows * columns, 2) of a regular grid, and its numbers of rows and columns."""
     x = np.arange(left, right + 1e-9, step)
     y = np.arange(top, bottom + 1e-9, step)
     columns, rows = len(x), len(y)
