@@ -1,12 +1,12 @@
-"""One call into eSpeak NG: a request as JSON on standard input, the answer on standard output.
+"""One call into eSpeak NG: a JSON request on standard input, the answer on standard output.
 
-Run as a program of its own (``python -P espeak.py``): eSpeak NG repeats its output bit for bit only for the first
-utterance of a process, and a fault in the C library then ends this process alone. Only the standard library and
-``espeakng_loader`` are imported, so that it starts fast. :mod:`visualspeech.speech.tts` is its caller.
+:mod:`visualspeech.speech.tts` runs this file as a separate program (``python -P espeak.py``). eSpeak NG's output is
+reproducible bit for bit only for the first utterance of a process, and a crash of the C library ends only that process.
+Only the standard library and ``espeakng_loader`` are imported, for a fast start.
 
-Requests: ``{"say": text, "voice": name, "rate": words a minute, "pitch": 0..100}``, answered by one JSON line
+Requests: ``{"say": text, "voice": name, "rate": words per minute, "pitch": 0..100}``, answered by one JSON line
 ``{"rate", "events"}`` and the samples (16 bit, mono); or ``{"pronounce": [words], "voice": name}``, answered by one
-JSON line ``{"pronounced": [[mnemonics of a word], ...]}``; with ``"marks": true`` the marks of stress stay in front.
+JSON line ``{"pronounced": [[mnemonics of a word], ...]}``. With ``"marks": true`` mnemonics keep their stress marks.
 """
 
 import ctypes
@@ -43,7 +43,7 @@ _Callback = ctypes.CFUNCTYPE(ctypes.c_int, ctypes.c_void_p, ctypes.c_int, ctypes
 
 
 class Engine:
-    """The library, loaded and with a voice chosen; ``rate`` is its sample rate in Hz."""
+    """The loaded library with a selected voice; ``rate`` is its sample rate in Hz."""
 
     def __init__(self, voice: str) -> None:
         import espeakng_loader
@@ -57,7 +57,7 @@ class Engine:
             raise ValueError(f"eSpeak NG has no voice {voice!r}; give an English one such as en-us or en-gb")
 
     def pronounce(self, word: str, marks: bool = False) -> list[str]:
-        """Phoneme mnemonics of one word, without or with its marks of stress (``'`` primary, ``,`` secondary)."""
+        """Phoneme mnemonics of one word, on request with stress marks (``'`` primary, ``,`` secondary)."""
         function = self.native.espeak_TextToPhonemes
         function.restype = ctypes.c_char_p
         pointer = ctypes.c_char_p(word.encode("utf-8"))
@@ -69,7 +69,10 @@ class Engine:
         return phonemes if marks else [phoneme.strip(STRESS_MARKS) for phoneme in phonemes]
 
     def say(self, text: str, rate: int, pitch: int) -> tuple[list, bytes]:
-        """Events ``["word", sample, first character, characters]`` and ``["phone", sample, mnemonic]``; samples."""
+        """The events of a spoken text and its samples (16 bit, mono).
+
+        Events are ``["word", sample, first character, characters]`` and ``["phone", sample, mnemonic]``.
+        """
         events, chunks = [], []
 
         def receive(samples, count, event):
@@ -96,7 +99,7 @@ class Engine:
 
 
 def main() -> int:
-    """Answer the request on standard input; status 2 and a sentence on standard error where it cannot be done."""
+    """Answer the request on standard input; on failure, exit status 2 and a message on standard error."""
     request = json.load(sys.stdin)
     try:
         engine = Engine(request["voice"])

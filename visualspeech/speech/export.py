@@ -1,4 +1,4 @@
-"""Alignments for people and other programs: Praat TextGrid, HTK and HTS label files."""
+"""Export of alignments to other programs: Praat TextGrid, HTK and HTS label files."""
 
 from collections.abc import Sequence
 from pathlib import Path
@@ -39,9 +39,10 @@ def write_htk_labels(path: str | Path, alignment: Alignment, tier: str = "phone"
 
 
 def write_hts_labels(path: str | Path, alignment: Alignment) -> None:
-    """Write the states as an HTS label file: ``start end left-phone+right[state]`` per line; a word at its first state.
+    """Write the states as an HTS label file: ``start end left-phone+right[state]`` per line.
 
-    States are numbered from 2, as in HTK's models; phones outside the utterance are "sil".
+    The first state of a phone also carries the triphone, and the first state of a word the word. States are numbered
+    from 2, as in HTK; phones outside the utterance are "sil".
     """
     phones = alignment.phones
     labels = [one.label for one in phones]

@@ -1,4 +1,4 @@
-"""Pronunciations of words: the dictionary of the acoustic model, and letter-to-sound for what it does not list."""
+"""Pronunciations of words: the dictionary of the acoustic model, and letter-to-sound rules for other words."""
 
 import re
 from collections.abc import Callable, Iterable, Mapping
@@ -19,9 +19,9 @@ class Lexicon:
 
     Parameters
     ----------
-    dictionary : a dictionary in the CMU format (a word or ``word(2)``, then its phones); by default PocketSphinx's
-    letters_to_sounds : words -> phones of each, asked for words that the dictionary does not list
-    own : further pronunciations by word, before the dictionary's
+    dictionary : path of a dictionary in CMU format (a word or ``word(2)``, then its phones); default: PocketSphinx's
+    letters_to_sounds : words -> phones of each, for words that the dictionary does not list
+    own : pronunciations by word that replace the dictionary's
 
     Raises
     ------
@@ -47,31 +47,31 @@ class Lexicon:
         return transcripts.normalise(text, self.__contains__)
 
     def unknown_words(self, text: str) -> list[str]:
-        """Words of a transcript that the dictionary does not list, each once, in their order."""
+        """Words of a transcript that the dictionary does not list, each once, in order of appearance."""
         return [word for word in dict.fromkeys(self.words(text)) if word not in self]
 
     def pronunciations(self, word: str) -> tuple[Pronunciation, ...]:
-        """Pronunciations that the dictionary lists for a word; empty where it lists none."""
+        """Listed pronunciations of a word; empty if there are none."""
         if word in self._own:
             return self._own[word]
         return tuple(tuple(line.lower().split()) for line in self._listed.get(word, "").split("\n") if line)
 
     def guess(self, words: Iterable[str]) -> dict[str, tuple[Pronunciation, ...]]:
-        """Pronunciations of words that are not listed: of the stem for a possessive, else by letter-to-sound.
+        """Pronunciations of unlisted words: from the stem for possessives, else by letter-to-sound rules.
 
-        A word for which nothing is found has none, nor has one in letters other than Latin.
+        The value is empty for words that cannot be pronounced, among them words in other than Latin letters.
         """
         words = list(dict.fromkeys(words))
         stems = {word: word[:-2] for word in words if word.endswith("'s") and word[:-2] in self}
         rest = [word for word in words if word not in stems and re.search("[a-z]", word)]
-        heard = self._letters_to_sounds(rest) if rest else {}
+        by_rule = self._letters_to_sounds(rest) if rest else {}
         guessed = {
             word: tuple((*one, *_possessive(one[-1])) for one in self.pronunciations(stems[word])) for word in stems
         }
         for word in words:
             if word in stems:
                 continue
-            phones = tuple(phone for phone in heard.get(word, ()) if phone in PHONES and phone != SILENCE)
+            phones = tuple(phone for phone in by_rule.get(word, ()) if phone in PHONES and phone != SILENCE)
             guessed[word] = (phones,) if phones else ()
         return guessed
 
@@ -107,7 +107,7 @@ def _possessive(last: str) -> Pronunciation:
 
 @lru_cache(maxsize=4)
 def _read(path: str) -> dict[str, str]:
-    """Word -> its pronunciations, one a line, as written."""
+    """Word -> its pronunciations as in the file, one per line."""
     try:
         text = Path(path).read_text(encoding="utf-8")
     except (OSError, UnicodeDecodeError) as error:

@@ -22,7 +22,7 @@ _PLACES = {
     "open": "aa ae ah aw ay eh",
 }
 
-# Class name -> phones. Manners share out the phones of speech; the others overlap and say what the lips and jaw show.
+# Class name -> phones. Each phone of speech has one manner; the other classes overlap and describe lips and jaw.
 CLASSES: dict[str, frozenset[str]] = {
     **{name: frozenset(phones.split()) for name, phones in {**_MANNERS, **_PLACES}.items()},
     "pause": frozenset({SILENCE}),
@@ -31,7 +31,7 @@ CLASSES: dict[str, frozenset[str]] = {
 # Every label that an alignment's phone tier may hold, "sil" first, the others sorted.
 PHONES: tuple[str, ...] = (SILENCE, *sorted({phone for phones in _MANNERS.values() for phone in phones.split()}))
 
-STATES = 3  # of each phone's hidden Markov model
+STATES = 3  # HMM states per phone
 
 
 def manner(phone: str) -> str:
@@ -40,7 +40,7 @@ def manner(phone: str) -> str:
     Raises
     ------
     KeyError
-        It is no phone of :data:`PHONES`.
+        The phone is not in :data:`PHONES`.
     """
     for name in (*_MANNERS, "pause"):
         if phone in CLASSES[name]:

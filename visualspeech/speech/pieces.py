@@ -1,9 +1,9 @@
-"""Alignment of recordings of any duration, in pieces that are cut at the speaker's pauses.
+"""Alignment of recordings of any duration, in pieces that end at pauses of the speaker.
 
-The memory of a forced alignment grows with the square of the duration, and networks are trained on sentences. So the
-decoder finds how many of the remaining words are said in a window of the sound; the window is cut at the longest pause
-well inside it, where the words on both sides are certain; and the part before the cut is aligned as a recording of its
-own.
+The memory of a forced alignment grows with the square of the duration, and networks are trained on sentences. The
+decoder therefore finds how many of the remaining words are said in a window of the sound. The window is cut at the
+longest pause well inside it, where the words on both sides are certain, and the piece before the cut is aligned like a
+recording of its own.
 """
 
 from collections.abc import Iterable, Iterator
@@ -27,11 +27,11 @@ from visualspeech.speech.phones import SILENCE, STATES
 from visualspeech.speech.recognition import RATE, padded, recognise_beginning, recognise_phones, speech_part
 
 WINDOW = 40.0  # seconds; a shorter recording is one piece
-_FIRST, _LAST = 8.0, 32.0  # seconds from the start of a window between which it is cut
+_FIRST, _LAST = 8.0, 32.0  # seconds from the start of a window; earliest and latest cut
 _FASTEST = 7.0  # words per second
 _PAUSE = 0.15  # seconds; shorter pauses may be the closure of a stop
-_LAST_WORDS = 2  # words at the end of a window that are uncertain,
-_ENDED = 3.0  # unless so many seconds of silence follow them
+_LAST_WORDS = 2  # number of uncertain words at the end of a window, unless ...
+_ENDED = 3.0  # ... this many seconds of silence follow them
 
 
 def align_pieces(
@@ -42,7 +42,7 @@ def align_pieces(
     Parameters
     ----------
     sound : consecutive blocks of samples, int16, mono, 16 kHz
-    spoken : all words that are said
+    spoken : all words of the transcript
     rate : frame rate in Hz; pieces end at frame borders
 
     Yields
@@ -52,7 +52,7 @@ def align_pieces(
     Raises
     ------
     RejectedUtterance
-        The words are not what is said; for a recording of several pieces the reason names the time of the piece.
+        The words do not match the sound; for a recording of several pieces the reason names the time of the piece.
     """
     settings, held = settings or AlignmentSettings(), _Held(sound)
     word = 0  # number of the first word that is not aligned yet
@@ -88,7 +88,7 @@ def align_pieces(
 def recognised_pieces(
     sound: Iterable[np.ndarray], rate: float = 100.0, settings: AlignmentSettings | None = None
 ) -> Iterator[tuple[int, list[tuple[str, float, float]]]]:
-    """Phones of a recording whose words are not known, piece by piece, as the decoder recognises them without words.
+    """Phones of a recording without a transcript, piece by piece, by unconstrained phone recognition.
 
     Parameters
     ----------
@@ -146,7 +146,7 @@ def _phones(samples: np.ndarray, settings: AlignmentSettings) -> list[tuple[str,
 
 
 class _Held:
-    """The part of the sound that is in memory: a window and a little more."""
+    """The part of the sound that is held in memory: one window and at most one more block."""
 
     def __init__(self, sound: Iterable[np.ndarray]) -> None:
         self._sound = iter(sound)
@@ -154,7 +154,7 @@ class _Held:
         self.begin = 0  # position of its first sample in the recording
 
     def fill(self) -> bool:
-        """Read on until there is more than a window; whether the recording ends before that."""
+        """Read until more than a window is held; returns whether the recording has ended before."""
         while len(self.samples) <= WINDOW * RATE:
             more = next(self._sound, None)
             if more is None:
@@ -167,7 +167,7 @@ class _Held:
 
 
 def _at_border(begin: int, seconds: float, rate: float) -> int:
-    """Samples from ``begin`` to the frame border that is nearest to ``seconds`` after it."""
+    """Number of samples from ``begin`` to the frame border nearest to ``seconds`` after it."""
     return round(round((begin / RATE + seconds) * rate) / rate * RATE) - begin
 
 
@@ -175,7 +175,7 @@ def recognise(window: np.ndarray, words: Pronounced, settings: AlignmentSettings
     """(start, end) in seconds of the words that are said in a window, see :func:`recognise_beginning`."""
     if not words.words or not np.any(window):
         return []
-    # The decoder finds words in a long silence before them, and fails on digital silence.
+    # The decoder places words into a long silence before them, and fails on digital silence.
     first, _ = speech_part(window, settings.speech_threshold, settings.speech_margin)
     noise = np.random.default_rng(0).normal(0, settings.padding_noise, len(window))
     window = np.clip(window + np.rint(noise), -32768, 32767).astype(np.int16)

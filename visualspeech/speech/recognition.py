@@ -1,8 +1,8 @@
-"""PocketSphinx behind one door: sound and words in, timed and scored phones out.
+"""Interface to PocketSphinx: from sound and words to timed and scored phones.
 
-Every call makes a decoder of its own. Without a language model and with the utterance's own words alone it costs some
-milliseconds, and nothing (adapted means, noise estimates, added words) is carried from one utterance to the next: the
-answer depends on neither the order of utterances nor their shard.
+Every call creates its own decoder. Without a language model and with the words of the utterance only, that takes some
+milliseconds. No state (adapted means, noise estimates, added words) is carried from one utterance to the next, so the
+result depends neither on the order of the utterances nor on their shard.
 """
 
 from collections.abc import Mapping, Sequence
@@ -15,22 +15,22 @@ from visualspeech.speech.phones import SILENCE
 RATE = 16000  # Hz, of the acoustic model
 STEP = 160  # samples from one frame to the next
 WINDOW = 410  # samples of a frame
-# Frame i covers the samples from i * STEP on, its middle is WINDOW / 2 later, and the border between two frames lies
-# midway between their middles: so the border that the decoder calls frame i is at i * STEP + DELAY samples.
+# Frame i begins at sample i * STEP and its middle is WINDOW / 2 later. The border between two frames lies midway
+# between their middles, so the border that the decoder calls frame i is at sample i * STEP + DELAY.
 DELAY = (WINDOW - STEP) / 2
-BEAM = 1e-300  # ratio to the best path below which another is given up
+BEAM = 1e-300  # probability ratio to the best path below which a path is pruned
 
 
 @dataclass(frozen=True)
 class RecognisedPhone:
-    """A phone in the sound.
+    """A recognised phone.
 
     Parameters
     ----------
     word : index of its word, -1 for a pause or noise
     label : ARPAbet in lower case, or "sil"
-    borders : of its states, in seconds, ascending; its first is the phone's start, its last the phone's end
-    score : log score of each of its frames against that frame's best state of all, in the decoder's units
+    borders : of its states in seconds, ascending, from the phone's start to its end
+    score : mean log score per frame relative to the best state of each frame, in the decoder's units
     """
 
     word: int
@@ -45,21 +45,21 @@ class RecognisedPhone:
 
 
 def to_int16(samples: np.ndarray) -> np.ndarray:
-    """Samples (n,) in [-1, 1] in 16-bit steps, int16; larger values are clipped."""
+    """Samples (n,) in [-1, 1] as int16; values out of range are clipped."""
     return np.round(np.clip(samples, -1, 1) * 32767).astype(np.int16)
 
 
 def speech_part(samples: np.ndarray, level: float, margin: float) -> tuple[int, int]:
-    """First and last sample (exclusive) of the part that holds the speech, judged by loudness.
+    """First and last sample (exclusive) of the speech, by loudness.
 
-    Room noise and clicks of lips before the first word draw it away from its place, so they are kept from the decoder.
+    The decoder aligns the first word too early where room noise or lip clicks precede it, so these are cut off.
 
     Parameters
     ----------
     samples : (n,) int16 at 16 kHz
-    level : share of the way from the quiet (10th percentile) to the loud (95th) frames, in decibels between 200 and
-        6800 Hz, from which on a frame is taken for speech where most of the 90 ms around it are
-    margin : seconds that are kept before and after
+    level : loudness threshold, as a share of the range in decibels (200 to 6800 Hz) from quiet (10th percentile) to
+        loud (95th percentile) frames; levels are median-filtered over 90 ms
+    margin : seconds that are kept before and after the speech
     """
     from scipy.ndimage import median_filter
 
@@ -80,7 +80,7 @@ def speech_part(samples: np.ndarray, level: float, margin: float) -> tuple[int, 
 
 
 def padded(samples: np.ndarray, padding: float, noise: float) -> np.ndarray:
-    """Samples with ``padding`` seconds of noise of ``noise`` 16-bit steps before and after, always the same noise."""
+    """Samples with ``padding`` seconds of noise of ``noise`` 16-bit steps (RMS) before and after; always the same."""
     random = np.random.default_rng(0)
     before, after = np.round(random.normal(0, noise, (2, round(padding * RATE)))).astype(np.int16)
     return np.concatenate([before, samples, after])
@@ -92,18 +92,18 @@ def recognise_words(
     pronunciations: Mapping[str, Sequence[Sequence[str]]],
     pause: float,
 ) -> list[RecognisedPhone] | None:
-    """Find the phones of given words in the sound, pauses between words where there are some.
+    """Phones of given words in the sound, with optional pauses between words.
 
     Parameters
     ----------
     samples : (n,) int16 at 16 kHz
-    words : in their order
-    pronunciations : of each word, the decoder chooses
-    pause : probability of a pause
+    words : in the order of the transcript
+    pronunciations : of each word; the decoder chooses among them
+    pause : probability of a pause between two words
 
     Returns
     -------
-    phones with times from the first sample, or None where the words cannot be fitted into the sound
+    phones with times from the first sample; None if the words do not fit into the sound
     """
     decoder, names = _of_words(pronunciations, pause)
     data = samples.tobytes()
@@ -112,7 +112,7 @@ def recognise_words(
         _decode(decoder, data)
         decoder.set_alignment()
         _decode(decoder, data)
-        # Flattened at once: the nested iterators do not outlive one another.
+        # Flattened at once: an inner iterator is valid only until the outer one advances.
         tree = [
             (word.name, [(phone.name, phone.score, [(s.start, s.duration) for s in phone]) for phone in word])
             for word in decoder.get_alignment()
@@ -120,10 +120,10 @@ def recognise_words(
     except RuntimeError:
         return None
     found, index = [], -1
-    for name, parts in tree:
+    for name, phones in tree:
         spoken = name.startswith("w")
         index += spoken
-        for label, score, states in parts:
+        for label, score, states in phones:
             borders = [states[0][0], *(start + length for start, length in states)]
             frames = borders[-1] - borders[0]
             label = label.lower() if spoken else SILENCE
@@ -137,9 +137,9 @@ def recognise_beginning(
     pronunciations: Mapping[str, Sequence[Sequence[str]]],
     pause: float,
 ) -> list[tuple[float, float]]:
-    """Find how many of given words are said in a sound that ends somewhere among them, and when.
+    """Times of those of the given words that are said in a sound, which may end before the last word.
 
-    Memory and time grow with the length of the sound (2 s for 40 s of sound): there are no states to be traced back.
+    Memory and time are proportional to the duration (2 s for 40 s of sound), because no state alignment is traced back.
 
     Parameters
     ----------
@@ -147,8 +147,8 @@ def recognise_beginning(
 
     Returns
     -------
-    (start, end) in seconds of each word that is said, from the first on; the last few may be wrong, where the sound
-    ends in the middle of a word
+    (start, end) in seconds of each word that is said, from the first on; the last few may be wrong if the sound ends
+    within a word
     """
     decoder, names = _of_words(pronunciations, pause)
     count = len(words)
@@ -159,14 +159,14 @@ def recognise_beginning(
     decoder.activate_search("words")
     try:
         _decode(decoder, samples.tobytes())
-        found = [(part.word, part.start_frame, part.end_frame + 1) for part in decoder.seg()]
+        found = [(segment.word, segment.start_frame, segment.end_frame + 1) for segment in decoder.seg()]
     except (RuntimeError, TypeError):  # no hypothesis at all
         return []
     return [_seconds((first, last)) for name, first, last in found if name.startswith("w")]
 
 
 def recognise_phones(samples: np.ndarray) -> list[RecognisedPhone]:
-    """Best sequence of any phones for the sound: how well it can be explained without knowing what is said."""
+    """Best sequence of phones for the sound by unconstrained phone recognition; empty if there is none."""
     decoder = _decoder()
     decoder.add_allphone_file("phones", None)
     decoder.activate_search("phones")
@@ -176,18 +176,18 @@ def recognise_phones(samples: np.ndarray) -> list[RecognisedPhone]:
         return []
     logmath = decoder.logmath
     found = []
-    for part in decoder.seg():
-        borders = (part.start_frame, part.end_frame + 1)
-        spoken = part.word.isalpha() and part.word != "SIL"
-        label = part.word.lower() if spoken else SILENCE
-        score = logmath.log(part.ascore) / (borders[1] - borders[0])
+    for segment in decoder.seg():
+        borders = (segment.start_frame, segment.end_frame + 1)
+        spoken = segment.word.isalpha() and segment.word != "SIL"
+        label = segment.word.lower() if spoken else SILENCE
+        score = logmath.log(segment.ascore) / (borders[1] - borders[0])
         found.append(RecognisedPhone(0 if spoken else -1, label, _seconds(borders), score))
     return found
 
 
 def _of_words(pronunciations: Mapping[str, Sequence[Sequence[str]]], pause: float):
-    """A decoder that knows some words alone, and the names that they have in it."""
-    # Nearly open beams: with the usual ones the search loses whole sentences of clear speech.
+    """A decoder that knows only the given words, and their names in it."""
+    # With the default beams the search loses whole sentences of clear speech.
     decoder = _decoder(beam=BEAM, pbeam=BEAM, wbeam=BEAM, silprob=pause)
     names = {word: f"w{i}" for i, word in enumerate(pronunciations)}
     entries = [
@@ -203,7 +203,7 @@ def _of_words(pronunciations: Mapping[str, Sequence[Sequence[str]]], pause: floa
 def _decoder(**options):
     from pocketsphinx import Decoder
 
-    # bestpath ends some utterances in "Failed to stop utterance processing"; compallsen makes scores comparable.
+    # With bestpath some utterances fail with "Failed to stop utterance processing"; compallsen makes scores comparable.
     return Decoder(loglevel="FATAL", bestpath=False, compallsen=True, lm=None, dict=None, **options)
 
 

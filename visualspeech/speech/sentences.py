@@ -1,4 +1,4 @@
-"""A text cut into sentences, so that a long one can be spoken and drawn piece by piece."""
+"""Splitting of a text into sentences, which are spoken and rendered one by one."""
 
 import re
 import unicodedata
@@ -8,12 +8,12 @@ from pathlib import Path
 from visualspeech.errors import SettingError
 from visualspeech.jobs import log
 
-LONGEST = 280  # characters; what is longer is cut at a comma, else at a space
+LONGEST = 280  # characters; longer sentences are cut at a comma, else at a space
 _ABBREVIATIONS = frozenset("mr mrs ms dr prof st jr sr vs etc e.g i.e no fig eq approx".split())
 
 
 def split_sentences(text: str, longest: int = LONGEST) -> list[str]:
-    """Sentences of a text in their order, each with a word that can be spoken; of what has none the log warns.
+    """Sentences of a text in order; those without a pronounceable word are left out, with a warning in the log.
 
     A sentence ends at ``.``, ``!``, ``?`` or ``:`` before white space (not after an abbreviation or an initial), and at
     an empty line.
@@ -21,7 +21,7 @@ def split_sentences(text: str, longest: int = LONGEST) -> list[str]:
     Raises
     ------
     SettingError
-        Not one word of the text can be pronounced.
+        No word of the text can be pronounced.
     """
     check_pronounceable(text)
     found: list[str] = []
@@ -39,53 +39,57 @@ def split_sentences(text: str, longest: int = LONGEST) -> list[str]:
     for piece in (piece for one in found for piece in _pieces(one, longest)):
         if pronounceable(piece):
             spoken.append(piece)
-        # Marks alone, such as a line of stars between two paragraphs, are nobody's loss.
+        # A line without letters, such as a row of asterisks, needs no warning.
         elif any(character.isalnum() for character in piece):
-            log.warning("left out, for it has no word in Latin letters: %s", piece[:60])
+            log.warning("left out because it has no word in Latin letters: %s", piece[:60])
     return spoken
 
 
 def listed_sentences(given: Sequence[str], path: str = "") -> dict[str, str]:
-    """What is to be said, one text a video, numbered from "001": the lines of a text file, or else the texts given.
+    """Texts to be said, one per video, by number from "001": the lines of a text file, or else the texts given.
 
     Raises
     ------
     SettingError
         The file cannot be read or is empty, or a text holds no word to pronounce.
     """
-    place, texts = "speak.sentences", list(given)
+    source, texts = "speak.sentences", list(given)
     if path:
-        place = path
+        source = path
         try:
             lines = Path(path).read_text(encoding="utf-8-sig").splitlines()
         except (OSError, UnicodeDecodeError) as error:
-            reason = getattr(error, "strerror", None) or "it is no UTF-8 text"
+            reason = getattr(error, "strerror", None) or "it is not UTF-8 text"
             raise SettingError(f"cannot read the sentences of {path}: {reason}.") from error
         texts = [line.strip() for line in lines if line.strip()]
         if not texts:
-            raise SettingError(f"{path} holds no sentence; write one text a line.")
+            raise SettingError(f"{path} holds no sentence; write one text per line.")
     for number, text in enumerate(texts, start=1):
-        check_pronounceable(text, f", text {number} of {place}")
+        check_pronounceable(text, f", text {number} of {source}")
     return {f"{number:03d}": text for number, text in enumerate(texts, start=1)}
 
 
 def pronounceable(text: str) -> bool:
-    """Whether a text holds a Latin letter or a digit: what the English voice can read out."""
+    """Whether a text has a Latin letter or a digit, which the English voice can pronounce."""
     return any(character.isascii() and character.isalnum() for character in unicodedata.normalize("NFKD", text))
 
 
-def check_pronounceable(text: str, place: str = "") -> None:
-    """Whether a text holds a word that can be spoken; ``place`` says in the message where it stands.
+def check_pronounceable(text: str, source: str = "") -> None:
+    """Check that a text has a word that can be pronounced.
+
+    Parameters
+    ----------
+    source : where the text is from, for the message
 
     Raises
     ------
     SettingError
-        It holds none.
+        It has none.
     """
     if not pronounceable(text):
         shown = text.strip()[:60]
         raise SettingError(
-            f"there is no word to pronounce in {shown!r}{place}; give a sentence in English words or numbers."
+            f"there is no word to pronounce in {shown!r}{source}; give a sentence in English words or numbers."
         )
 
 

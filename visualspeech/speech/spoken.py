@@ -1,10 +1,10 @@
-"""What a talking head says: sound, with its alignment.
+"""The speech of a talking head: sound with its alignment.
 
-For a text, the phone times are those of the synthesised voice, a by-product of the synthesis (Fan 2015, 4.1). The voice
-gives phones and not the three HMM states that models are trained with, so each phone is divided among its states in
-their average proportions in the alignment of the training data, or in thirds where these are not known; pauses are
-always divided in thirds, as in the alignment. For a recording, the times are those of a forced alignment, or of
-recognised phones where the transcript is not known.
+For a text, phone times are a by-product of the speech synthesis (Fan 2015, 4.1). The synthesiser gives phones but not
+the three HMM states that models are trained with. Each phone is therefore divided among its states in their average
+proportions in the training alignments, or in thirds if these are not known; pauses are always divided in thirds, as in
+the alignment. For a recording, times are those of a forced alignment, or of phone recognition if there is no
+transcript.
 """
 
 from collections.abc import Iterable, Iterator, Mapping
@@ -32,14 +32,14 @@ SOUND_RATE = 48000  # Hz, of the sound of a recording in a video
 
 @dataclass(frozen=True)
 class Spoken:
-    """One utterance to be shown.
+    """Speech to be shown, with its alignment.
 
     Parameters
     ----------
     text : as written
     samples : (n,) float32 in [-1, 1], mono
-    rate : samples a second
-    alignment : words, phones and states over the whole of the sound
+    rate : sample rate in Hz
+    alignment : words, phones and states of the whole sound
     """
 
     text: str
@@ -61,7 +61,7 @@ def speak_text(
     Raises
     ------
     SettingError
-        There is no pronounceable word (before anything is spoken), or no such voice.
+        There is no pronounceable word (raised before anything is spoken), or no such voice.
     """
     settings = settings or VoiceSettings()
     sentences = split_sentences(text)
@@ -70,7 +70,7 @@ def speak_text(
         if all(phone == SILENCE for phone, _, _ in speech.phones):
             raise SettingError(f"there is no word to pronounce in {sentence!r}; give English words or numbers.")
         last = number == len(sentences) - 1
-        # Half a pause on either side of a border: every sentence comes out of silence and goes into it, as in training.
+        # Each sentence gets half of the pause on either side: it begins and ends in silence, as in training.
         before = settings.leading_silence if number == 0 else settings.sentence_pause / 2
         yield _with_silence(
             sentence, speech, before, settings.trailing_silence if last else settings.sentence_pause / 2, shares or {}
@@ -87,26 +87,26 @@ def speak_recording(
 ) -> Iterator[Spoken]:
     """Recorded speech (a sound or video file) with its alignment, piece by piece.
 
-    Without a transcript the phones are those that the decoder recognises. Memory does not grow with the duration. The
-    first piece carries the whole transcript as its text; the text of the others is empty.
+    Without a transcript, phones are recognised. Memory does not grow with the duration. The text of the first piece is
+    the whole transcript; that of the others is empty.
 
     Parameters
     ----------
-    transcript : what is said; None where it is not known
+    transcript : what is said; None if it is not known
     rate : frame rate of the video in Hz; pieces end at frame borders, so that they join without gaps
     shares : share of a phone's duration that each of its three states takes, by phone; used without a transcript
 
     Raises
     ------
     SettingError
-        The transcript is empty (before anything is read).
+        The transcript is empty (raised before the file is read).
     RejectedUtterance
-        The file cannot be read, there is no speech in it, or the transcript is not what is said.
+        The file cannot be read, there is no speech in it, or the transcript does not match it.
     """
     if transcript is not None and not transcript.strip():
         raise SettingError(f"the text of {path} is empty; give what is said in it, or leave --text out.")
     words = None if transcript is None else pronounced(transcript, lexicon or Lexicon())
-    heard = (to_int16(part) for part in stream_audio(path, RATE))
+    heard = (to_int16(block) for block in stream_audio(path, RATE))
     given, held, done, text = stream_audio(path, SOUND_RATE), np.zeros(0, np.float32), 0, transcript or ""
     if words is None:
         found = ((end, timed(phones, (), shares)) for end, phones in recognised_pieces(heard, rate, settings))
@@ -121,7 +121,7 @@ def speak_recording(
 
 
 def state_shares(alignments: Iterable[Alignment]) -> dict[str, tuple[float, ...]]:
-    """Average share of a phone's duration that each of its three states takes, by phone; a third in pauses."""
+    """Average shares of a phone's duration that its three states take, by phone; thirds for pauses."""
     totals: dict[str, np.ndarray] = {}
     for alignment in alignments:
         for state in alignment.states:
@@ -154,8 +154,8 @@ def timed(
         else:
             tiers[0].append(Segment(spoken[word][0] if word >= 0 else SILENCE if word == -1 else "", start, end))
         before = word
-        parts = THIRDS if phone == SILENCE else tuple((shares or {}).get(phone, THIRDS))
-        borders = [start, *(start + (end - start) * np.cumsum(parts)[:-1]), end]
+        of_states = THIRDS if phone == SILENCE else tuple((shares or {}).get(phone, THIRDS))
+        borders = [start, *(start + (end - start) * np.cumsum(of_states)[:-1]), end]
         tiers[2].extend(
             Segment(str(k + 1), float(a), float(b), len(tiers[1])) for k, (a, b) in enumerate(pairwise(borders))
         )
@@ -164,7 +164,7 @@ def timed(
 
 
 def _with_silence(text: str, speech: tts.Speech, before: float, after: float, shares) -> Spoken:
-    """The speech between two stretches of silence, which join with the pauses it has at its own ends."""
+    """The speech with silence before and after it, joined with the pauses at its own ends."""
     lead, tail = (round(seconds * speech.rate) for seconds in (before, after))
     length = len(speech.samples) + lead + tail
     samples = np.zeros(length, np.float32)
@@ -177,6 +177,7 @@ def _with_silence(text: str, speech: tts.Speech, before: float, after: float, sh
 
 
 def _between(phones: list[tuple[str, float, float]], begin: float, end: float) -> list[tuple[str, float, float]]:
+    """Phones from 0 s to ``end`` with pauses where there are none at either end; speech begins at ``begin``."""
     if phones[0][0] == SILENCE:
         phones = [(SILENCE, 0.0, phones[0][2]), *phones[1:]]
     elif begin > 0:

@@ -1,8 +1,8 @@
-"""Phones that a model has never heard, put in the words of those it has: the one that looks most alike.
+"""Substitutes for phones that a model was not trained on: the known phone that looks most similar.
 
-A small corpus does not speak every phone (GRID lacks "zh", "oy", "sh" ...), the voice that reads a text does. What
-counts here is the look of lips and jaw and not the sound, so the substitutes follow the classes of visemes: "sh" for
-"zh" and "ch", "f" for "v". A diphthong is given by its first half where it is missing whole.
+A small corpus does not contain every phone (GRID lacks "zh", "oy", "sh" ...), but a text read by the synthetic voice
+may. Lips and jaw matter here, not the sound, so substitutes follow viseme classes: "sh" for "zh" and "ch", "f" for "v".
+A missing diphthong is replaced by its first half.
 """
 
 from collections.abc import Iterable, Sequence
@@ -10,7 +10,7 @@ from collections.abc import Iterable, Sequence
 from visualspeech.errors import SettingError
 from visualspeech.speech.phones import CLASSES, PHONES, SILENCE, manner
 
-# Of each phone the others by how much they look like it, the best first; after them, whatever shares most classes.
+# Substitutes of each phone, the most similar first; if none is known, the phone with most classes in common is taken.
 _ALIKE = {
     "b": "p m",
     "p": "b m",
@@ -55,17 +55,20 @@ _ALIKE = {
 
 
 def substitute(phone: str, inventory: Sequence[str]) -> str:
-    """The phone of an inventory that stands for a phone; itself where it is there.
+    """The phone of an inventory that replaces a phone; the phone itself if the inventory has it.
 
     Raises
     ------
     SettingError
-        The inventory holds no phone of speech in ARPAbet, or the phone is none.
+        The inventory has no phone of speech in ARPAbet, or ``phone`` is not ARPAbet.
     """
     if phone in inventory:
         return phone
     if phone not in PHONES:
-        raise SettingError(f"{phone!r} is no phone of English in ARPAbet, as in {PHONES[1]!r} or {PHONES[-1]!r}.")
+        raise SettingError(
+            f"{phone!r} is no phone of English in ARPAbet. Give one in lower case such as {PHONES[1]!r} or "
+            f"{PHONES[-1]!r}."
+        )
     for other in _ALIKE.get(phone, "").split():
         if other in inventory:
             return other
@@ -75,18 +78,18 @@ def substitute(phone: str, inventory: Sequence[str]) -> str:
             f"the model's phones ({', '.join(list(inventory)[:6])} ...) are not those of the voice (ARPAbet, and "
             f"{SILENCE!r} for pauses); give a model that was trained on this project's alignment."
         )
-    # The same manner first, then most classes in common; ties by the inventory's order.
+    # Phones of the same manner come first, then those with most classes in common, then the order of the inventory.
     shared = [(manner(other) == manner(phone), _common(phone, other)) for other in known]
     return known[max(range(len(known)), key=lambda i: (shared[i], -i))]
 
 
 def substitutes(phones: Iterable[str], inventory: Sequence[str]) -> dict[str, str]:
-    """The stand-in of each of some phones that an inventory lacks (only of these): phone -> :func:`substitute`.
+    """Substitutes of those of the given phones that an inventory lacks: phone -> :func:`substitute`.
 
     Raises
     ------
     SettingError
-        As :func:`substitute`; also where the inventory does not know silence.
+        As :func:`substitute`, or the inventory has no silence.
     """
     needed = sorted({SILENCE, *phones} - set(inventory))
     return {phone: substitute(phone, inventory) for phone in needed}

@@ -1,7 +1,7 @@
-"""Syllables of pronounced words, and which of them are stressed.
+"""Syllables of pronounced words and their stress.
 
-The dictionary of the acoustic model has no stress marks; stress comes from the letter-to-sound rules of the
-synthesiser, brought to the pronunciation that was aligned.
+The dictionary of the acoustic model has no stress marks. Stress is taken from the letter-to-sound rules of the
+synthesiser and mapped to the aligned pronunciation.
 """
 
 from collections.abc import Sequence
@@ -10,7 +10,7 @@ from visualspeech.speech.phones import CLASSES
 
 VOWELS = CLASSES["vowel"] | CLASSES["diphthong"]
 
-#: Clusters that an English syllable may begin with, besides a single consonant (but ng) and nothing.
+#: Consonant clusters that an English syllable may begin with, apart from single consonants other than ng.
 ONSETS = frozenset(
     tuple(cluster.split())
     for cluster in (
@@ -22,10 +22,10 @@ ONSETS = frozenset(
 
 
 def syllables(phones: Sequence[str]) -> list[range]:
-    """Indices of the phones of each syllable of one word: consonants go to the following vowel as far as they can.
+    """Indices of the phones of each syllable of one word, by the maximal-onset principle.
 
-    That is the principle of the maximal onset: between two vowels the longest row of consonants that may begin an
-    English word begins the second syllable. A word without a vowel is one syllable.
+    Between two vowels, the longest sequence of consonants that may begin an English word belongs to the second
+    syllable. A word without a vowel is one syllable.
     """
     vowels = [index for index, phone in enumerate(phones) if phone in VOWELS]
     starts = [0]
@@ -44,11 +44,13 @@ def _may_begin(cluster: Sequence[str]) -> bool:
 def stress_of_syllables(phones: Sequence[str], stresses: Sequence[int]) -> list[int]:
     """Stress of each syllable of a word: 0 none, 1 secondary, 2 primary.
 
+    If the pronunciation has another number of syllables than ``stresses``, each syllable takes the stress of the one
+    nearest in relative position; a single syllable takes the strongest.
+
     Parameters
     ----------
     phones : as pronounced
-    stresses : of the vowels of the word as its spelling tells them; where the pronunciation has another number of
-        syllables, each takes that of the nearest in relative place, and the only one of a word the strongest
+    stresses : of the vowels of the word, from letter-to-sound rules
     """
     count = len(syllables(phones))
     if not stresses:
@@ -56,4 +58,4 @@ def stress_of_syllables(phones: Sequence[str], stresses: Sequence[int]) -> list[
     if count == 1:
         return [max(stresses)]
     last = len(stresses) - 1
-    return [stresses[int(place * last / (count - 1) + 0.5)] for place in range(count)]
+    return [stresses[int(position * last / (count - 1) + 0.5)] for position in range(count)]

@@ -1,8 +1,8 @@
-"""From a transcript as people write it to the words that are spoken, in lower case.
+"""Normalisation of English transcripts: from written text to the spoken words in lower case.
 
-English. Numbers, times, prices and ordinals are spelt out (by :mod:`inflect`), abbreviations and symbols named,
-punctuation dropped. Where writing is ambiguous the most common reading is taken: four digits from 1100 to 2099 without
-a separator are a year, "St." before a capital is a saint.
+Numbers, times, prices and ordinals are spelt out (by :mod:`inflect`), abbreviations and symbols are expanded, and
+punctuation is dropped. Ambiguous spellings get their most common reading: four digits from 1100 to 2099 without a
+separator are a year, "St." before a capital is "saint".
 """
 
 import re
@@ -55,12 +55,12 @@ def normalise(text: str, known: Callable[[str], bool]) -> list[str]:
 
     Parameters
     ----------
-    text : as written; what stands in [square] or <angle> brackets is taken for a remark and dropped
-    known : whether a word, in lower case, is in the dictionary; decides about hyphens, apostrophes and capitals
+    text : as written; text in [square] or <angle> brackets is a comment and is dropped
+    known : whether a lower-case word is in the dictionary; decides about hyphens, apostrophes and capitals
 
     Returns
     -------
-    words in lower case; empty where nothing is to be said
+    words in lower case; empty if no word is spoken
     """
     text = re.sub(r"\[[^\]]*\]|<[^>]*>", " ", unicodedata.normalize("NFC", text))
     text = _TELEPHONE.sub(lambda m: " ".join(re.sub(r"\D", "", m[0])), re.sub(r"([½¼¾⅓⅔⅛])", r" \1", text))
@@ -75,7 +75,7 @@ def normalise(text: str, known: Callable[[str], bool]) -> list[str]:
 
 
 def _plain(text: str) -> str:
-    """Without accents: dictionaries write "cafe"."""
+    """Text without accents, as in dictionaries ("cafe")."""
     return "".join(c for c in unicodedata.normalize("NFKD", text) if not unicodedata.combining(c))
 
 
@@ -88,7 +88,7 @@ def _words_of(token: str, known: Callable[[str], bool], lower: bool) -> list[str
     word = word.strip("'-") if not known(word.strip("-")) else word.strip("-")
     if known(word) or not word:
         return [word] if word else []
-    if re.fullmatch(r"[bcdfghjklmnpqrstvwxz]{2,5}", word):  # no vowel: it can only be spelt ("mp" of "mp3")
+    if re.fullmatch(r"[bcdfghjklmnpqrstvwxz]{2,5}", word):  # without a vowel it is spelt out ("mp" of "mp3")
         return list(word)
     if "-" in word:
         return [part for piece in re.split("-+", word) for part in _words_of(piece, known, False)]
@@ -105,7 +105,7 @@ def _without_abbreviations(text: str) -> str:
     known = "|".join(sorted((re.escape(name) for name in ABBREVIATIONS), key=len, reverse=True))
     text = re.sub(rf"(?<![\w.])(?:{known})(?!\w)", lambda m: ABBREVIATIONS[m[0].lower()], text, flags=re.IGNORECASE)
     text = re.sub(r"\b(?:[^\W\d_]\.){2,}", lambda m: " ".join(m[0].replace(".", " ").split()) + " ", text)
-    # An address; where a capital follows, the space after a sentence is missing.
+    # A dot within an address; before a capital it ends a sentence, and the space is missing.
     return re.sub(r"(?<=[a-z])\.(?=[a-z])", " dot ", text)
 
 

@@ -1,7 +1,7 @@
-"""Speech from text, and pronunciations from spelling, through eSpeak NG.
+"""Speech synthesis and letter-to-sound rules, through eSpeak NG.
 
-Phones are ARPAbet in lower case without stress digits, as in the alignment. Every call runs in a process of its own
-(see :mod:`visualspeech.speech.espeak`), so the same text gives the same samples.
+Phones are ARPAbet in lower case without stress digits, as in the alignment. Every call runs in its own process (see
+:mod:`visualspeech.speech.espeak`), so the same text gives the same samples.
 """
 
 import json
@@ -20,7 +20,7 @@ from visualspeech.speech.phones import SILENCE
 
 VOICE = "en-us"
 
-# eSpeak NG's mnemonics of its American voice. "r" after a vowel that already ends in one is not said twice: see _merge.
+# Mnemonics of eSpeak NG's American voice. An "r" after a vowel that ends in "r" is not repeated: see _merge.
 _ARPABET = {
     **{
         "p": "p",
@@ -110,9 +110,9 @@ class Speech:
     Parameters
     ----------
     samples : (n,) int16, mono
-    rate : samples a second
+    rate : sample rate in Hz
     words : (word, start, end) in seconds
-    phones : (ARPAbet, start, end) in seconds; they follow each other without a gap from 0 to the end, pauses are "sil"
+    phones : (ARPAbet, start, end) in seconds, without gaps from 0 to the end; pauses are "sil"
     """
 
     samples: np.ndarray
@@ -122,26 +122,26 @@ class Speech:
 
 
 def synthesise(text: str, voice: str = VOICE, rate_wpm: int = 160, pitch: int = 45) -> Speech:
-    """Speak a text.
+    """Synthetic speech of a text.
 
     Parameters
     ----------
     text : what to say, as written
     voice : name of a voice of eSpeak NG
-    rate_wpm : words a minute, 80 to 450
+    rate_wpm : words per minute, 80 to 450
     pitch : 0 (low) to 100 (high)
 
     Raises
     ------
     SettingError
-        There is nothing to say, no such voice, or a speed or pitch out of range.
+        The text has no word, there is no such voice, or the speed or pitch is out of range.
     VisualSpeechError
         The synthesiser failed.
     """
     if not re.search(r"\w", text):
-        raise SettingError("there is nothing to say: the text holds no word. Give a sentence.")
+        raise SettingError("there is nothing to say: the text has no word. Give a sentence.")
     if not 80 <= rate_wpm <= 450:
-        raise SettingError(f"rate_wpm is {rate_wpm}; give a speed between 80 and 450 words a minute.")
+        raise SettingError(f"rate_wpm is {rate_wpm}; give a speed between 80 and 450 words per minute.")
     if not 0 <= pitch <= 100:
         raise SettingError(f"pitch is {pitch}; give a number between 0 and 100.")
     answer, data = _ask({"say": text, "voice": voice, "rate": int(rate_wpm), "pitch": int(pitch)})
@@ -152,12 +152,12 @@ def synthesise(text: str, voice: str = VOICE, rate_wpm: int = 160, pitch: int = 
 
 
 def letter_to_sound(word: str, voice: str = VOICE) -> list[str]:
-    """Pronunciation of a word that no dictionary lists, ARPAbet in lower case without stress ("ah"); may be empty."""
+    """Pronunciation of a word by letter-to-sound rules, in ARPAbet in lower case without stress; may be empty."""
     return list(letters_to_sounds((word,), voice)[word])
 
 
 def letters_to_sounds(words: Iterable[str], voice: str = VOICE) -> dict[str, list[str]]:
-    """Pronunciations of several words by one process, by word."""
+    """Pronunciations of several words by letter-to-sound rules, by word; one process for all of them."""
     words = tuple(dict.fromkeys(words))
     return {word: list(phones) for word, phones in zip(words, _pronounced(words, voice), strict=True)}
 
@@ -170,7 +170,7 @@ def _pronounced(words: tuple[str, ...], voice: str) -> tuple[tuple[str, ...], ..
 
 
 def stresses(words: Iterable[str], voice: str = VOICE) -> dict[str, list[int]]:
-    """Stress of the vowels of several words by one process, by word: 0 none, 1 secondary, 2 primary."""
+    """Stress of the vowels of several words, by word: 0 none, 1 secondary, 2 primary; one process for all of them."""
     words = tuple(dict.fromkeys(words))
     return {word: list(marks) for word, marks in zip(words, _stressed(words, voice), strict=True)} if words else {}
 
@@ -183,18 +183,18 @@ def _stressed(words: tuple[str, ...], voice: str) -> tuple[tuple[int, ...], ...]
 
 
 def _marks(mnemonics: list[str]) -> tuple[int, ...]:
-    """Stress of each vowel; of a mnemonic that is two vowels ("aI@"), the first one has it."""
+    """Stress of each vowel; in a mnemonic of two vowels ("aI@") the first one is stressed."""
     found = []
     for name in mnemonics:
         mark = {"'": 2, ",": 1}.get(name[0], 0)
-        # Every vowel's ARPAbet begins with one of these letters, and no consonant's does.
+        # In ARPAbet all vowels and no consonants begin with one of these letters.
         vowels = [phone for phone in _phones_of(name.strip(espeak.STRESS_MARKS)) if phone[0] in "aeiou"]
         found += [mark, *[0] * (len(vowels) - 1)] if vowels else []
     return tuple(found)
 
 
 def _without_double_r(phones: list[tuple[str, float]]) -> tuple[str, ...]:
-    """Inside a word dictionaries write "er" where the voice has "er r" ("around")."""
+    """Phones without an "r" after "er": inside a word, dictionaries write "er" where the voice has "er r"."""
     names = [phone for phone, _ in phones]
     return tuple(name for i, name in enumerate(names) if not (name == "r" and i and names[i - 1] == "er"))
 
@@ -215,9 +215,10 @@ def _ask(request: dict) -> tuple[dict, bytes]:
 
 
 def _merge(events: list[tuple[str, float]]) -> list[tuple[str, float]]:
-    """(mnemonic, onset) -> (phone, onset): splits vowels ending in "r", drops an "r" said twice and marks of no length.
+    """Phones with onsets from mnemonics with onsets.
 
-    A second phone of one mnemonic begins 60 % of the way to the next event.
+    Mnemonics of two phones are split; the second phone begins 60 % of the way to the next event. A repeated "r" and
+    marks without duration are dropped.
     """
     merged: list[tuple[str, float]] = []
     for i, (name, onset) in enumerate(events):
@@ -265,10 +266,10 @@ def _timed(text: str, voice: str, events: list, samples: np.ndarray, rate: int) 
 
 
 def _with_closures(merged: list[tuple[str, float]], samples: np.ndarray, rate: int) -> list[int]:
-    """Onsets in samples, where a stop begins with its closure.
+    """Onsets in samples, with the onsets of stops moved to the beginning of their closures.
 
-    eSpeak NG reports a stop at its burst and leaves the silent closure to the phone before; after a pause the closure
-    cannot be heard, and 60 ms are taken for it.
+    eSpeak NG reports a stop at its burst and counts the silent closure to the phone before. After a pause the closure
+    is inaudible, and at most 60 ms of the pause are taken as the closure.
     """
     quiet = np.abs(samples.astype(np.int32)) < 40
     onsets: list[int] = []
@@ -296,7 +297,7 @@ def _joined_pauses(phones: list[tuple[str, int, int]]) -> list[tuple[str, int, i
 
 
 def _word_times(text, voice, spans, original, merged, onsets, ends) -> list[tuple[str, int, int]]:
-    """Words with first and last sample. eSpeak NG joins some pairs ("of the"): their phones are shared out."""
+    """Words with first and last sample; the phones of pairs that eSpeak NG joins ("of the") are divided."""
     words: list[tuple[str, int, int]] = []
     for i, (first, event) in enumerate(spans):
         last_event = spans[i + 1][1] if i + 1 < len(spans) else len(original)

@@ -42,7 +42,7 @@ def test_texts_are_numbered_and_read_from_a_file(tmp_path):
     with pytest.raises(SettingError, match="holds no sentence"):
         listed_sentences([], str(path))
     path.write_bytes(b"\xff\xfe\xff")
-    with pytest.raises(SettingError, match="no UTF-8"):
+    with pytest.raises(SettingError, match="not UTF-8"):
         listed_sentences([], str(path))
     with pytest.raises(SettingError, match="no word to pronounce in '!', text 2 of speak.sentences"):
         listed_sentences(["Fine.", "!"])
@@ -54,5 +54,5 @@ def test_texts_are_numbered_and_read_from_a_file(tmp_path):
 def test_a_sentence_that_cannot_be_spoken_is_not_lost_unsaid(caplog):
     assert split_sentences("Hello.\n\nПривет всем.\n\n* * *\n\nGood bye.") == ["Hello.", "Good bye."]
     assert [record.getMessage() for record in caplog.records] == [
-        "left out, for it has no word in Latin letters: Привет всем."
+        "left out because it has no word in Latin letters: Привет всем."
     ]
