@@ -47,7 +47,7 @@ def enlarged(bundle: SpeakerBundle, width: int) -> SpeakerBundle:
     size = (width, round(background.size[1] * scale))
 
     def larger(frame: int) -> bytes:
-        picture = cv2.cvtColor(background.picture(frame), cv2.COLOR_RGB2BGR)
+        picture = cv2.cvtColor(background.frame(frame), cv2.COLOR_RGB2BGR)
         picture = cv2.resize(picture, size, interpolation=cv2.INTER_CUBIC)
         return cv2.imencode(".jpg", picture, [cv2.IMWRITE_JPEG_QUALITY, QUALITY])[1].tobytes()
 
@@ -125,12 +125,12 @@ def main() -> None:
         speed(bundle, performance, path)
         frames = list(read_frames(path))
     background: Background = bundle.background
-    recorded = [background.picture(frame) for frame in range(len(background))]
+    recorded = [background.frame(frame) for frame in range(len(background))]
     same = np.diff(background.clip) == 0
     before = steps_away_from_the_mouth(recorded, background.landmarks)[same]
     shown = scene(background, len(frames))
     after = steps_away_from_the_mouth(frames, shown.landmarks)
-    mixed = sum(mix.share > 0 for mix in shown.way) / len(shown.way)
+    mixed = sum(mix.share > 0 for mix in shown.mixes) / len(shown.mixes)
     print(
         f"change away from the mouth, grey levels: recorded {np.median(before):.2f} (largest {before.max():.2f}), "
         f"shown {np.median(after):.2f} (largest {after.max():.2f}); {100 * mixed:.0f} % of the frames are mixed"

@@ -1,9 +1,8 @@
-"""A voice-ready speaker: everything that speaking needs in one folder, which says what belongs together by digests.
+"""Speaker bundles: one self-contained folder with everything needed to synthesise a talking head of a speaker.
 
-``speaker.json`` names the parts with the digest of each file, the phones, the average shares of their states, and whose
-face it is. The parts are ``model.safetensors``, ``aam.safetensors``, ``reference.safetensors``, ``head.safetensors``,
-``rest.safetensors`` (the face at rest) and ``background.h5``. The folder can be moved and given away; it refers to
-nothing outside.
+The parts are ``model.safetensors``, ``aam.safetensors``, ``reference.safetensors``, ``head.safetensors``,
+``rest.safetensors`` (the face at rest) and ``background.h5``. ``speaker.json`` holds the digest of each part, the
+phones, the average shares of their states, and whose face it is. The folder can be moved and shared.
 """
 
 import json
@@ -34,16 +33,16 @@ FILES = {name: f"{name}.safetensors" for name in PARTS} | {"background": "backgr
 
 @dataclass(frozen=True)
 class SpeakerBundle:
-    """A speaker who can be made to say any text.
+    """A speaker for whom videos of any text can be synthesised.
 
     Parameters
     ----------
-    trained : model of any family, from new speech to the parameters of the visual coding
+    trained : model of any family, from speech to the parameters of the visual coding
     speaker : head, appearance model, texture grid
-    background : recorded pictures to put the lower face on
-    rest : (N,) appearance of the face in silence
-    shares : of a phone, the shares of its time that its three states take
-    corpus, model, consent : for what a video says of itself
+    background : recorded frames onto which the lower face is stitched
+    rest : (N,) appearance of the face at rest
+    shares : phone -> average shares of its duration that its three states take
+    corpus, model, consent : for the metadata of videos
     digest : of the whole bundle
     """
 
@@ -59,36 +58,36 @@ class SpeakerBundle:
 
     @classmethod
     def load(cls, folder: str | Path) -> "SpeakerBundle":
-        """Read a bundle and check that its parts belong together.
+        """The bundle in a folder, checked for parts that do not belong together.
 
         Raises
         ------
         StorageError
-            It is no bundle, or a part is missing.
+            The folder is not a bundle, or a part is missing.
         DataError
-            A part is not the one that the bundle was made of, or the parts do not fit each other.
+            A part has been changed or replaced, or the parts do not fit each other.
         """
         folder = Path(folder)
         about = _description(folder)
         for name in PARTS:
             path, expected = folder / FILES[name], about["parts"].get(name)
             if not path.is_file():
-                raise StorageError(f"the speaker {folder} lacks {path.name}. Copy the whole folder, or make it anew.")
+                raise StorageError(f"the speaker {folder} lacks {path.name}. Copy the whole folder, or build it again.")
             if file_digest(path) != expected:
                 raise DataError(
                     f"{path} is not the file that this speaker was made of (digest {file_digest(path)}, not "
-                    f"{expected}): the parts of two speakers were mixed, or the file was changed. Make it anew."
+                    f"{expected}): parts of two speakers were mixed, or the file was changed. Build the speaker again."
                 )
         trained = load_model(folder / FILES["model"])
         speaker = Speaker.load(*(folder / FILES[name] for name in ("head", "aam", "reference")))
         check_together(trained, speaker, about["parts"]["aam"], about["phones"])
         rest = read_model_of(folder / FILES["rest"], "face at rest", ["rest"], ["appearance"])[0]["appearance"]
         if rest.shape != (trained.outputs,):
-            raise DataError(f"{folder / FILES['rest']} is a face of another appearance model. Make the speaker anew.")
+            raise DataError(f"{folder / FILES['rest']} is a face of another appearance model. Build the speaker again.")
         background, aam = Background.load(folder / FILES["background"]), speaker.aam
         sizes = background.shapes.shape[1], background.textures.shape[1]
         if sizes != (len(aam.shape_mean), len(aam.texture_mean)):
-            raise DataError(f"{folder / FILES['background']} is of another appearance model. Make the speaker anew.")
+            raise DataError(f"{folder / FILES['background']} is of another appearance model. Build the speaker again.")
         return cls(
             trained=trained,
             speaker=speaker,
@@ -103,12 +102,16 @@ class SpeakerBundle:
 
 
 def check_together(trained: Model, speaker: Speaker, aam_digest: str, phones) -> None:
-    """Check, before any long work, that a model was trained for an appearance model and for an inventory of phones.
+    """Check, before any long work, that a model, an appearance model and an inventory of phones belong together.
+
+    Parameters
+    ----------
+    aam_digest : digest of the file of the appearance model
 
     Raises
     ------
     DataError
-        It was not.
+        The model was trained for others, or the texture grid is of another appearance model.
     """
     size, aam = len(speaker.aam.appearance_components), speaker.aam
     if trained.outputs != size or (trained.coding and trained.coding != aam_digest):
@@ -135,7 +138,7 @@ def check_together(trained: Model, speaker: Speaker, aam_digest: str, phones) ->
 def describe_bundle(
     folder: str | Path, phones, shares: Mapping, rest: np.ndarray, corpus: str, model: str, consent: str
 ) -> None:
-    """Write the rest face and ``speaker.json`` into a folder that holds the other parts.
+    """Write the face at rest and ``speaker.json`` into a folder that holds the other parts.
 
     Raises
     ------
@@ -170,24 +173,25 @@ def _description(folder: Path) -> dict:
     path = folder / DESCRIPTION
     if not path.is_file():
         raise StorageError(
-            f"{folder} is no speaker: it holds no {DESCRIPTION}. Give the folder that the workflow's target `speaker` "
-            "has written, results/<corpus>/<system>/speakers/<model>."
+            f"{folder} is no speaker: it holds no {DESCRIPTION}. Give a folder written by the workflow's target "
+            "`speaker`, results/<corpus>/<system>/speakers/<model>."
         )
     try:
         about = json.loads(read_text(path))
     except ValueError as error:
-        raise StorageError(f"{path} is damaged ({error}). Make the speaker anew.") from error
+        raise StorageError(f"{path} is damaged ({error}). Build the speaker again.") from error
     if not isinstance(about, dict) or about.get("kind") != KIND or not _is_complete(about):
-        raise StorageError(f"{path} does not describe a speaker of this project. Make the speaker anew.")
+        raise StorageError(f"{path} does not describe a speaker of this project. Build the speaker again.")
     if about.get("version") != VERSION:
         raise StorageError(
-            f"{folder} is a speaker of version {about.get('version')}, this program reads {VERSION}. Make it anew."
+            f"{folder} is a speaker of version {about.get('version')}, but this program reads version {VERSION}. Build "
+            "the speaker again."
         )
     return about
 
 
 def _is_complete(about: dict) -> bool:
-    """Whether a description holds all that is read of it, each of its kind."""
+    """Whether a description has all keys that are read, with values of the right types."""
 
     def is_share(values) -> bool:
         return isinstance(values, list) and len(values) == 3 and all(isinstance(one, int | float) for one in values)

@@ -1,4 +1,4 @@
-"""Collects what speaking needs of a run into one folder, which :mod:`visualspeech.animation.bundle` reads."""
+"""Building of a speaker bundle (:mod:`visualspeech.animation.bundle`) from the files of a run."""
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
@@ -50,25 +50,25 @@ def bundle_speaker(
     model: str,
     consent: str,
 ) -> None:
-    """Write the folder of a speaker who can be made to say any text.
+    """Write a speaker bundle.
 
-    The face at rest and the average durations of the phones' states come from the training utterances.
+    The face at rest and the average shares of the phones' states are taken from the training utterances.
 
     Parameters
     ----------
-    folder : is written as a whole; an old one is replaced
+    folder : of the bundle; an existing one is replaced as a whole
     files : paths of the parts ``model``, ``aam``, ``reference`` and ``head``, which are copied
     phones : inventory of the corpus
     utterances : the accepted utterances, with their split
     alignments : paths of the alignment tables of these utterances
-    background : ids of the recordings that the lower face is put on; empty: training utterances that go together
-    seconds : of recorded background that are chosen where ``background`` is empty
-    corpus, model, consent : for what a video says of itself
+    background : ids of the background recordings; empty: training utterances with similar head position and light
+    seconds : minimum duration of the background if ``background`` is empty
+    corpus, model, consent : for the metadata of videos
 
     Raises
     ------
     SettingError
-        A recording of the background is no accepted utterance.
+        A background recording is not an accepted utterance.
     DataError
         There is no training utterance, none of them shows the face at rest, or the parts do not fit each other.
     RejectedUtterance
@@ -100,13 +100,13 @@ def _background(
     names: Sequence[str],
     seconds: float,
 ) -> list[Utterance]:
-    """The utterances of these names, or training utterances with the head in one position and in one light."""
+    """The named utterances, or by default training utterances with similar head position and light."""
     known = {one.id: one for one in utterances}
     missing = [name for name in names if name not in known]
     if missing:
         raise SettingError(
             f"`speak.background`: {', '.join(missing)} is no accepted utterance. Name other recordings, or none to "
-            "have them chosen."
+            "have them chosen automatically."
         )
     if not names and training:
         rate = faces.pose.rate(training[0].id)

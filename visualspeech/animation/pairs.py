@@ -1,4 +1,4 @@
-"""Two talking heads of one sentence side by side, for a preference test: nothing tells which model made which."""
+"""Videos for a preference test: two talking heads of one sentence side by side, without the names of the models."""
 
 from collections.abc import Sequence
 from pathlib import Path
@@ -23,13 +23,13 @@ def write_pair(
     consent: str = "",
     settings: VideoSettings | None = None,
 ) -> None:
-    """Write the video of one pair: A on the left, B on the right, the original speech; frames one at a time.
+    """Write the video of one pair with the original speech: A on the left, B on the right.
 
     Parameters
     ----------
-    number : of the pair, the only name that the file has for it
-    appearances : of A and of B, each the parameters v (frames, N) and their frame rate in Hz
-    corpus, consent : for the metadata, which say that the video is synthetic and withhold the models
+    number : of the pair, its only name in the metadata
+    appearances : of A and B, each the parameters v (frames, N) and their frame rate in Hz
+    corpus, consent : for the metadata, which mark the video as synthetic and withhold the models
 
     Raises
     ------

@@ -1,7 +1,7 @@
 """The sound and the predicted appearance of a talking head, before any frame is rendered.
 
-Each sentence is spoken and goes through the model; sound and appearance are kept on disk, so that a text may be of
-any length, and errors are found before the long rendering starts.
+Each sentence is spoken and its appearance predicted. Both are spooled to disk, so that a text can have any length and
+errors are found before the long rendering starts.
 """
 
 from collections.abc import Iterable, Iterator
@@ -21,7 +21,7 @@ from visualspeech.speech.substitutes import substitutes
 from visualspeech.timing import frame_times
 
 FULL_SCALE = 32768  # of 16 bit
-REST = 0.12  # seconds from the border of a pause until the face is wholly at rest: speaker s1 of GRID takes as long
+REST = 0.12  # seconds from the border of a pause until the face is fully at rest, as measured on speaker s1 of GRID
 
 
 @dataclass(frozen=True)
@@ -62,13 +62,13 @@ def perform(spoken: Iterable[Spoken], model: Model, rest: np.ndarray, ramp: floa
     ----------
     spoken : sentences in their order
     rest : (N,) appearance at rest
-    ramp : seconds from the border of a pause until the face is wholly at rest; at the border the appearance is that of
+    ramp : seconds from the border of a pause until the face is fully at rest; at the border the appearance is that of
         the model, inside the pause that of the face at rest
 
     Raises
     ------
     SettingError
-        The model has none of the phones.
+        The phones of the model are of another phone set.
     DataError
         The sentences differ in their audio rate, or there are none.
     """
@@ -78,7 +78,9 @@ def perform(spoken: Iterable[Spoken], model: Model, rest: np.ndarray, ramp: floa
     samples, faces = Spool(np.int16), Spool(np.float32, model.outputs)
     for one in spoken:
         if audio_rate and one.rate != audio_rate:
-            raise DataError(f"one sentence is sound of {one.rate} Hz, another of {audio_rate} Hz.")
+            raise DataError(
+                f"one sentence has a sample rate of {one.rate} Hz, another of {audio_rate} Hz; give one rate."
+            )
         audio_rate = one.rate
         alignment, replaced = in_phones_of(one.alignment, phones_of(model))
         if set(replaced) - reported:
@@ -87,7 +89,7 @@ def perform(spoken: Iterable[Spoken], model: Model, rest: np.ndarray, ramp: floa
                 "some phones of the text did not occur in training: %s",
                 ", ".join(f"{other} is shown for {phone}" for phone, other in sorted(replaced.items())),
             )
-        # Sentences end at frame borders: the last frame is filled with silence. A single sample beyond is rounding.
+        # Sentences end at frame borders, so the last frame is filled with silence. An excess of one sample is rounding.
         count = max(1, int(np.ceil((len(one.samples) - 1) / one.rate * model.rate - 1e-6)))
         faces.append(face_of(alignment, count, model, rest, ramp))
         length = round(len(faces) * one.rate / model.rate) - len(samples)
@@ -100,7 +102,7 @@ def perform(spoken: Iterable[Spoken], model: Model, rest: np.ndarray, ramp: floa
 
 
 def in_phones_of(alignment: Alignment, phones) -> tuple[Alignment, dict[str, str]]:
-    """An alignment in the phones of a model, and the replacement of each phone that the model does not have.
+    """An alignment with only phones of a model, and the substitute of each phone that the model does not have.
 
     Raises
     ------
@@ -115,20 +117,20 @@ def in_phones_of(alignment: Alignment, phones) -> tuple[Alignment, dict[str, str
 
 
 def face_of(alignment: Alignment, frames: int, model: Model, rest: np.ndarray, ramp: float) -> np.ndarray:
-    """Appearance (frames, N) float32 of one sentence: that of the model, and in pauses that of the face at rest.
+    """Appearance (frames, N) float32 of one sentence: predicted in speech, the face at rest in pauses.
 
     Parameters
     ----------
-    ramp : seconds from the border of a pause until the face is wholly at rest
+    rest, ramp : see :func:`perform`
     """
     weight = pause_weights(alignment, frames, model.rate, ramp)[:, None]
     return ((1 - weight) * predict_alignment(model, alignment, frames) + weight * rest).astype(np.float32)
 
 
 def pause_weights(alignment: Alignment, frames: int, rate: float, ramp: float) -> np.ndarray:
-    """Weight of the face at rest, (frames,): 0 in speech, 1 from ``ramp`` seconds inside a pause on.
+    """Weight of the face at rest, (frames,): 0 in speech, rising to 1 within ``ramp`` seconds from a pause's border.
 
-    There is silence before the start and after the end, so the first and last pause count as unlimited.
+    Before the start and after the end there is silence, so the first and last pause have only one border.
     """
     times = frame_times(frames, rate)
     depth = np.zeros(frames)
@@ -139,6 +141,5 @@ def pause_weights(alignment: Alignment, frames: int, rate: float, ramp: float) -
             until = np.inf if one.end >= last else one.end - times
             inside = (times >= one.start) & ((times < one.end) | (one.end >= last))
             depth = np.where(inside, np.minimum(since, until) * np.ones(frames), depth)
-    # After the end of the alignment there is silence.
     share = np.clip(depth / ramp, 0, 1)
     return share * share * (3 - 2 * share)

@@ -6,7 +6,7 @@ piecewise-affine warp of the appearance model. The painting fades out between th
 the upper lip and the nose; its colours are matched to those of the recording along that seam by an offset that varies
 slowly over the face and is smoothed in time, for an offset found in each frame separately would flicker.
 
-Which points control the warp, follow the target and outline the painting is said by the point set of the texture grid.
+The point set of the texture grid defines which points control the warp, follow the target and outline the painting.
 """
 
 from collections import deque
@@ -91,7 +91,7 @@ def place(
     *,
     rate: float,
 ) -> Placement:
-    """Put frontal target shapes back onto the recorded head.
+    """Positions of the lower face in the recorded frames for frontal target shapes.
 
     Parameters
     ----------
@@ -124,7 +124,7 @@ def place(
 
 @dataclass(frozen=True)
 class Stitching:
-    """What all frames of a speaker share; made by :func:`prepare`.
+    """Maps that all frames of a speaker share; made by :func:`prepare`.
 
     Parameters
     ----------
@@ -141,7 +141,7 @@ class Stitching:
 
 
 def prepare(reference: Reference, settings: RenderSettings | None = None) -> Stitching:
-    """Maps in the texture grid that every frame uses."""
+    """The maps in the texture grid that all frames of a speaker share."""
     import cv2
 
     settings = settings or RenderSettings()
@@ -170,7 +170,7 @@ def prepare(reference: Reference, settings: RenderSettings | None = None) -> Sti
 
 
 def colour_offset(frame: np.ndarray, recorded: np.ndarray, texture: np.ndarray, stitching: Stitching) -> np.ndarray:
-    """How the recording's colours differ from a texture's along the seam: coefficients (6, 3) of the basis.
+    """Difference between the colours of the recording and of a texture along the seam, as coefficients (6, 3).
 
     Parameters
     ----------
@@ -248,7 +248,7 @@ def talking_head(
 ) -> Iterator[np.ndarray]:
     """The frames of an utterance with synthetic lower faces, one at a time.
 
-    Holds as many frames as the smoothing of the colour offset looks ahead, whatever the length.
+    Memory does not grow with the length: only the frames that the smoothing of the colour offset looks ahead are held.
 
     Parameters
     ----------
@@ -309,10 +309,15 @@ def _paired(frames, positions, textures, count: int) -> Iterator[tuple]:
         frame, texture = next(frames, missing), next(textures, missing)
         if frame is missing or texture is missing:
             what = "frames in the recording" if frame is missing else "target textures"
-            raise DataError(f"{index} {what}, but the lower face is placed in {count} frames")
+            raise DataError(
+                f"{index} {what}, but the lower face has positions in {count} frames. Run the stages again."
+            )
         yield frame, recorded, target, texture
     if next(frames, missing) is not missing:
-        raise DataError(f"the recording has more than the {count} frames in which the lower face is placed")
+        raise DataError(
+            f"the recording has more than the {count} frames in which the lower face has positions. Run the stages "
+            "again."
+        )
 
 
 def _smoothed(offsets, now: int, deviation: float) -> np.ndarray:
@@ -323,7 +328,7 @@ def _smoothed(offsets, now: int, deviation: float) -> np.ndarray:
 
 
 def _window(points: np.ndarray, margin: float, shape) -> tuple[np.ndarray, np.ndarray]:
-    """First and one past the last (x, y) pixel of the points' box with a margin, inside the frame."""
+    """First and last (exclusive) pixel (x, y) of the bounding box of points with a margin, inside the frame."""
     size = np.array([shape[1], shape[0]])
     low = np.clip(np.floor(points.min(axis=0) - margin), 0, size).astype(int)
     high = np.clip(np.ceil(points.max(axis=0) + margin) + 1, 0, size).astype(int)
@@ -331,7 +336,7 @@ def _window(points: np.ndarray, margin: float, shape) -> tuple[np.ndarray, np.nd
 
 
 def _painted(region: np.ndarray, points: np.ndarray, texture, offset: np.ndarray, stitching: Stitching) -> np.ndarray:
-    """A region of a frame with a texture painted at points (N, 2), as opaque as the stitching says."""
+    """A region of a frame with a texture painted at points (N, 2) with the opacity of the stitching."""
     import cv2
 
     reference = stitching.reference

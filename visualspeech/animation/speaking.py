@@ -1,7 +1,7 @@
-"""A talking head that says any text: a performance's appearance -> lower face on recorded pictures -> video.
+"""A talking head that says any text: from the appearance of a performance to a video on recorded frames.
 
-Of a performance (:mod:`visualspeech.animation.performance`) and of the way through the background a few seconds at a
-time are looked at, and the pictures are made and encoded one at a time: memory does not grow with the length.
+A performance (:mod:`visualspeech.animation.performance`) and the background are processed a few seconds at a time, and
+frames are rendered and encoded one at a time, so memory does not grow with the length.
 """
 
 from collections.abc import Iterable, Iterator
@@ -25,9 +25,9 @@ from visualspeech.jobs import progress
 from visualspeech.media.encoding import write_video
 from visualspeech.media.prefetching import prefetched
 
-PRESET = "veryfast"  # of the encoder, which would else take most of the time
-_PLACED = 100  # frames placed at a time
-_DECODED = 25  # textures decoded at a time: each is 200 kB
+PRESET = "veryfast"  # with slower presets of x264, encoding would take most of the time
+_FRAMES_AT_A_TIME = 100  # frames whose lower face is positioned at a time
+_TEXTURES_AT_A_TIME = 25  # textures decoded at a time, of 200 kB each
 
 
 @dataclass(frozen=True)
@@ -36,47 +36,47 @@ class Scene:
 
     Parameters
     ----------
-    way : T frames of the background
+    mixes : frames of the background, or mixtures of two of them, for each of the T frames
     landmarks : (T, 68, 2) pixels
     pose : of the T frames
     clips : (T, C) shares of the background's recordings in each frame
     """
 
-    way: list[Mix]
+    mixes: list[Mix]
     landmarks: np.ndarray
     pose: Pose
     clips: np.ndarray
 
 
 def scene(background: Background, frames: int, settings: WalkSettings | None = None) -> Scene:
-    """A way of so many frames through a background, with what was measured along it."""
-    return scene_along(background, list(islice(way_through(background, settings), frames)))
+    """A scene of the given number of frames."""
+    return scene_of(background, list(islice(endless_background(background, settings), frames)))
 
 
-def way_through(background: Background, settings: WalkSettings | None = None) -> Iterator[Mix]:
-    """Frames of a background without end."""
+def endless_background(background: Background, settings: WalkSettings | None = None) -> Iterator[Mix]:
+    """Endless sequence of frames of a background (:func:`visualspeech.animation.walk.walk`)."""
     return walk(frame_distances(background), background.clip, background.rate, settings, eyes_closed(background))
 
 
-def scene_along(background: Background, way: list[Mix]) -> Scene:
-    """What was measured along a way through a background, mixed as the pictures are."""
-    first, second = (np.array([getattr(mix, name) for mix in way]) for name in ("frame", "other"))
-    share = np.array([mix.share for mix in way], np.float32)
+def scene_of(background: Background, mixes: list[Mix]) -> Scene:
+    """The scene of a sequence of background frames; landmarks and poses are mixed in the same shares as the frames."""
+    first, second = (np.array([getattr(mix, name) for mix in mixes]) for name in ("frame", "other"))
+    share = np.array([mix.share for mix in mixes], np.float32)
 
     def mixed(values: np.ndarray) -> np.ndarray:
-        part = share.reshape(-1, *[1] * (values.ndim - 1))
-        return (1 - part) * values[first] + part * values[second]
+        weight = share.reshape(-1, *[1] * (values.ndim - 1))
+        return (1 - weight) * values[first] + weight * values[second]
 
     return Scene(
-        way,
+        mixes,
         mixed(background.landmarks),
         Pose(mixed(background.pose.rotation), mixed(background.pose.translation)),
         mixed(np.eye(len(background.shapes), dtype=np.float32)[background.clip]),
     )
 
 
-def placed(appearance: np.ndarray, bundle: SpeakerBundle, scene: Scene, settings: RenderSettings) -> Placement:
-    """Where the lower face is in the T frames of a scene, given the appearance (T, N) at the scene's rate."""
+def place_in_scene(appearance: np.ndarray, bundle: SpeakerBundle, scene: Scene, settings: RenderSettings) -> Placement:
+    """Positions of the lower face in the T frames of a scene, for an appearance (T, N) at the background's rate."""
     aam = bundle.speaker.aam
     shape = aam.shape_mean + appearance @ aam.shape_basis
     shape = shape + scene.clips @ bundle.background.shapes - aam.drift.shape
@@ -87,20 +87,20 @@ def placed(appearance: np.ndarray, bundle: SpeakerBundle, scene: Scene, settings
 def speaking_frames(
     appearance, bundle: SpeakerBundle, settings: SpeakSettings | None = None, rate: float | None = None
 ) -> Iterator[np.ndarray]:
-    """Pictures of the speaker with the lower face of an appearance, one at a time.
+    """Yield frames of the speaker with the lower face of an appearance, at the frame rate of the background.
 
     Parameters
     ----------
     appearance : (T, N), an array or a :class:`Spool`; it is read a few seconds at a time
-    rate : of the appearance, frames a second; default: that of the background, which is that of the pictures
+    rate : of the appearance in Hz; default: that of the background
     """
     settings = settings or SpeakSettings()
     parts = _parts(appearance, rate or bundle.background.rate, bundle, settings)
-    for picture in stitched(parts, bundle.speaker.reference, settings.rendering, rate=bundle.background.rate):
-        picture = labelled(picture, LABEL) if settings.label else picture
-        height, width = picture.shape[:2]
-        # H.264 halves the colour planes: an odd last row or column is shown twice.
-        yield np.pad(picture, ((0, height % 2), (0, width % 2), (0, 0)), mode="edge")
+    for frame in stitched(parts, bundle.speaker.reference, settings.rendering, rate=bundle.background.rate):
+        frame = labelled(frame, LABEL) if settings.label else frame
+        height, width = frame.shape[:2]
+        # H.264 halves the colour planes, so an odd last row or column is repeated.
+        yield np.pad(frame, ((0, height % 2), (0, width % 2), (0, 0)), mode="edge")
 
 
 def speak(
@@ -114,32 +114,37 @@ def speak(
 
     Parameters
     ----------
-    voice : where the sound is from, for the metadata
+    voice : source of the sound, for the metadata
+
+    Raises
+    ------
+    StorageError
+        The video cannot be written.
     """
     rate = bundle.background.rate
-    frames = _frames(len(performance.appearance), performance.rate, rate)
-    pictures = speaking_frames(performance.appearance, bundle, settings, performance.rate)
-    # Pictures are made on one core while the last ones are encoded on another.
-    pictures = progress(prefetched(pictures, 8), frames, "frames")
+    count = _frames(len(performance.appearance), performance.rate, rate)
+    frames = speaking_frames(performance.appearance, bundle, settings, performance.rate)
+    # One core renders frames while another one encodes earlier frames.
+    frames = progress(prefetched(frames, 8), count, "frames")
     metadata = speech_metadata(performance.text, bundle, voice)
-    write_video(path, pictures, rate, performance.sound(), performance.audio_rate, metadata, preset=PRESET)
+    write_video(path, frames, rate, performance.sound(), performance.audio_rate, metadata, preset=PRESET)
 
 
 def speech_metadata(text: str, bundle: SpeakerBundle, voice: str) -> dict[str, str]:
-    """What the video of a talking head says of itself: title, comment and one key for each part of it."""
+    """Metadata of the video of a talking head: title, comment, and their parts under keys of their own."""
     permission = bundle.consent.strip() or "No statement of consent was given for this corpus."
     text = text or "(not given)"
-    said = text if len(text) <= 1000 else text[:1000] + " ..."
+    shortened = text if len(text) <= 1000 else text[:1000] + " ..."
     return {
-        "title": f"synthetic talking head ({bundle.model}): {said[:80]}",
+        "title": f"synthetic talking head ({bundle.model}): {shortened[:80]}",
         "comment": (
             "This video is SYNTHETIC. The person shown never said this: the lower face was made by a computer model "
-            f"({bundle.model}, corpus {bundle.corpus}) and put on recorded pictures. Voice: {voice}. "
+            f"({bundle.model}, corpus {bundle.corpus}) and put on recorded frames. Voice: {voice}. "
             f"Whose face it is and by what permission: {permission}"
         ),
         "synthetic": "yes",
         "voice": voice,
-        "text": said,
+        "text": shortened,
         "model": bundle.model,
         "speaker": bundle.digest,
         "corpus": bundle.corpus,
@@ -148,29 +153,29 @@ def speech_metadata(text: str, bundle: SpeakerBundle, voice: str) -> dict[str, s
 
 
 def _frames(count: int, rate: float, wanted: float) -> int:
-    """Pictures at the ``wanted`` rate of so many frames of appearance."""
+    """Number of frames at the rate ``wanted`` for ``count`` frames of appearance at ``rate`` Hz."""
     return max(1, round(count / rate * wanted))
 
 
 def _parts(appearance, rate: float, bundle: SpeakerBundle, settings: SpeakSettings) -> Iterator[tuple]:
-    """Of each frame what :func:`stitched` wants: recorded picture, place there, place wanted, texture."""
+    """For each frame the arguments of :func:`stitched`: recorded frame, recorded and target positions, texture."""
     background = bundle.background
     frames = _frames(len(appearance), rate, background.rate)
-    # Places are smoothed in time: what is cut off beside the frames placed at a time reaches as far as the smoothing.
+    # Positions are smoothed in time, so each block has a margin on either side as long as the smoothing reaches.
     margin = int(np.ceil(4 * settings.rendering.point_smoothing * background.rate)) + 1
-    endless, way, since = way_through(background, settings.walk), [], 0
-    for first in range(0, frames, _PLACED):
-        last = min(first + _PLACED, frames)
+    endless, mixes, since = endless_background(background, settings.walk), [], 0
+    for first in range(0, frames, _FRAMES_AT_A_TIME):
+        last = min(first + _FRAMES_AT_A_TIME, frames)
         begin, end = max(0, first - margin), min(frames, last + margin)
-        way = way[begin - since :]
-        way += islice(endless, end - begin - len(way))
+        mixes = mixes[begin - since :]
+        mixes += islice(endless, end - begin - len(mixes))
         since = begin
-        shown = scene_along(background, way)
+        shown = scene_of(background, mixes)
         seen = _between(appearance, rate, background.rate, begin, end)
-        placement = placed(seen, bundle, shown, settings.rendering)
+        placement = place_in_scene(seen, bundle, shown, settings.rendering)
         inner = slice(first - begin, last - begin)
         yield from zip(
-            _mixed_pictures(background, way[inner]),
+            _mixed_frames(background, mixes[inner]),
             placement.recorded[inner],
             placement.target[inner],
             _textures(seen[inner], bundle, shown.clips[inner]),
@@ -179,29 +184,29 @@ def _parts(appearance, rate: float, bundle: SpeakerBundle, settings: SpeakSettin
 
 
 def _between(appearance, rate: float, wanted: float, first: int, last: int) -> np.ndarray:
-    """Frames ``first`` to ``last`` at the ``wanted`` rate of an appearance at another."""
-    # A frame is read off its neighbours, or the mean of those inside it.
+    """Frames ``first`` to ``last`` (exclusive) of an appearance, resampled from ``rate`` to the rate ``wanted``."""
+    # Resampling interpolates neighbouring frames or averages those inside a frame, hence the margins.
     begin = max(0, int(np.floor(first / wanted * rate)) - 2)
     end = int(np.ceil(last / wanted * rate)) + 2
-    # An appearance ends before its last picture does, where the rates differ; its last frame stays.
+    # If the rates differ, the appearance may end before the last frame of the video; its last frame is then repeated.
     begin = min(begin, len(appearance) - 1)
     return resample(appearance[begin:end], rate, wanted, last - first, begin=first / wanted - begin / rate)
 
 
-def _mixed_pictures(background: Background, way: Iterable[Mix]) -> Iterator[np.ndarray]:
+def _mixed_frames(background: Background, mixes: Iterable[Mix]) -> Iterator[np.ndarray]:
     import cv2
 
-    for frame, other, share in way:
-        picture = background.picture(frame)
-        if share > 0 and other != frame:
-            picture = cv2.addWeighted(picture, 1 - share, background.picture(other), share, 0)
-        yield picture
+    for first, second, share in mixes:
+        frame = background.frame(first)
+        if share > 0 and second != first:
+            frame = cv2.addWeighted(frame, 1 - share, background.frame(second), share, 0)
+        yield frame
 
 
 def _textures(appearance: np.ndarray, bundle: SpeakerBundle, clips: np.ndarray) -> Iterator[np.ndarray]:
-    """Textures in the light of the recordings, of which the (T, C) shares are given."""
+    """Textures (3U,) in the light of the background's recordings, mixed in the shares ``clips`` (T, C)."""
     aam, background = bundle.speaker.aam, bundle.background
-    for start in range(0, len(appearance), _DECODED):
-        rows = slice(start, start + _DECODED)
+    for start in range(0, len(appearance), _TEXTURES_AT_A_TIME):
+        rows = slice(start, start + _TEXTURES_AT_A_TIME)
         light = clips[rows] @ background.textures - aam.drift.texture
         yield from aam.decode(appearance[rows])[1] + light

@@ -1,8 +1,8 @@
-"""Videos of the talking head: original | reconstruction | prediction, with sound, and with what they say of themselves.
+"""Videos of the talking head: original, reconstruction and prediction side by side, with sound and metadata.
 
-A rendered face looks like a person saying something that was never said so. Every file therefore tells in its metadata
-that it is synthetic, by which model, from which corpus and by whose permission, and each synthetic picture carries a
-small label unless that is switched off.
+A rendered face looks like a person saying something in a way that was never recorded. The metadata of every file
+therefore state that it is synthetic, by which model, from which corpus and by whose permission. Each synthetic frame
+carries a small label unless that is switched off.
 """
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
@@ -42,7 +42,7 @@ class Panel(NamedTuple):
 
 @dataclass(frozen=True)
 class Speaker:
-    """The models of one speaker that a talking head needs: 3-D head, appearance model and texture grid."""
+    """The models of one speaker for rendering: 3-D head, appearance model and texture grid."""
 
     head: HeadModel
     aam: Aam
@@ -50,7 +50,7 @@ class Speaker:
 
     @classmethod
     def load(cls, head: str | Path, aam: str | Path, reference: str | Path) -> "Speaker":
-        """Read the three model files.
+        """The speaker in three model files.
 
         Raises
         ------
@@ -62,7 +62,7 @@ class Speaker:
 
 @dataclass(frozen=True)
 class Recording:
-    """What was measured of one recorded utterance.
+    """Measurements of one recorded utterance.
 
     Parameters
     ----------
@@ -113,49 +113,51 @@ def synthetic_frames(
 
 
 def _textures(appearance: np.ndarray, recording: Recording, aam: Aam) -> Iterator[np.ndarray]:
-    """Textures with the light of the recording, a few decoded at a time: all of them would be 72 kB per frame."""
+    """Textures with the light of the recording, decoded a few at a time because each takes 72 kB."""
     light = recording.drift.texture - aam.drift.texture
     for start in range(0, len(appearance), 25):
         yield from aam.decode_texture(appearance[start : start + 25]) + light
 
 
 def side_by_side(panels: Sequence[Panel], label: bool = True) -> Iterator[np.ndarray]:
-    """Frames of all panels beside each other under a bar of titles, one at a time, with even width and height.
+    """Yield the frames of all panels side by side under a title bar, with even width and height.
 
     Raises
     ------
     DataError
-        The panels are not of one length, or their pictures not of one height.
+        The panels differ in length or in the height of their frames.
     """
     streams = [iter(panel.frames) for panel in panels]
     bar = None
     for index in range(2**62):
-        pictures = [next(stream, None) for stream in streams]
-        if all(picture is None for picture in pictures):
+        frames = [next(stream, None) for stream in streams]
+        if all(frame is None for frame in frames):
             return
-        for panel, picture in zip(panels, pictures, strict=True):
-            if picture is None:
-                raise DataError(f"the panel {panel.title!r} ends after {index} frames, others go on.")
-            if picture.shape[0] != pictures[0].shape[0]:
-                raise DataError(f"panels of {picture.shape[0]} and {pictures[0].shape[0]} pixels height do not fit.")
+        for panel, frame in zip(panels, frames, strict=True):
+            if frame is None:
+                raise DataError(f"the panel {panel.title!r} ends after {index} frames, other panels are longer.")
+            if frame.shape[0] != frames[0].shape[0]:
+                raise DataError(
+                    f"the panels differ in height: {frame.shape[0]} pixels ({panel.title!r}) and {frames[0].shape[0]}."
+                )
         marked = [
-            labelled(picture, LABEL) if label and panel.synthetic else picture
-            for panel, picture in zip(panels, pictures, strict=True)
+            labelled(frame, LABEL) if label and panel.synthetic else frame
+            for panel, frame in zip(panels, frames, strict=True)
         ]
         if bar is None:
-            widths = [picture.shape[1] for picture in marked]
+            widths = [frame.shape[1] for frame in marked]
             bar = title_bar([panel.title for panel in panels], widths, title_height(marked[0].shape[0]))
         yield _even(np.vstack([bar, np.hstack(marked)]))
 
 
-def _even(picture: np.ndarray) -> np.ndarray:
-    """H.264 halves the colour planes: an odd last row or column is shown twice."""
-    height, width = picture.shape[:2]
-    return np.pad(picture, ((0, height % 2), (0, width % 2), (0, 0)), mode="edge")
+def _even(frame: np.ndarray) -> np.ndarray:
+    """A frame of even size, as H.264 needs: an odd last row or column is repeated."""
+    height, width = frame.shape[:2]
+    return np.pad(frame, ((0, height % 2), (0, width % 2), (0, 0)), mode="edge")
 
 
 def video_metadata(utterance: str, corpus: str, model: str, consent: str) -> dict[str, str]:
-    """What a video file says of itself: title, comment and one key for each part of it."""
+    """Metadata of a video: title, comment, and their parts under keys of their own."""
     permission = consent.strip() or "No statement of consent was given for this corpus."
     return {
         "title": f"{utterance}: synthetic talking head ({model})",
@@ -182,11 +184,11 @@ def write_talking_head(
     consent: str = "",
     settings: VideoSettings | None = None,
 ) -> None:
-    """Write the video of one utterance: the original and one panel for each stream of parameters, with its sound.
+    """Write the video of one utterance: the original and one panel per stream of parameters, with the sound.
 
     Parameters
     ----------
-    appearances : title of a panel -> appearance parameters v (frames, N) and their frame rate in Hz; they are brought
+    appearances : title of a panel -> appearance parameters v (frames, N) and their frame rate in Hz; they are resampled
         to the rate of the recording
     corpus, model, consent : for the metadata
 
@@ -211,15 +213,21 @@ def write_panels(
     settings: VideoSettings | None = None,
     original: bool = False,
 ) -> None:
-    """Write a panel for each stream of parameters, beside the original or without it; see :func:`write_talking_head`.
+    """Write a video with one panel per stream of parameters and optionally the original.
 
-    Frames are made and encoded one at a time; memory does not grow with the length of the pictures.
+    Frames are rendered and encoded one at a time, so memory does not grow with their number. Parameters and errors as
+    :func:`write_talking_head`.
+
+    Parameters
+    ----------
+    metadata : tags of the file
+    original : whether the first panel shows the recording
     """
     settings = settings or VideoSettings()
     rate = probe(utterance.media).rate
     length = len(recording.landmarks)
     frames = read_frames(utterance.media, utterance.start, utterance.end)
-    # Every panel reads the frames for itself; the original shows them as they are.
+    # Every panel gets its own iterator over the recorded frames, which are decoded once.
     sources = list(tee(frames, original + len(appearances)))
     panels = [Panel("original", sources.pop(0), synthetic=False)] if original else []
     for source, (title, (values, values_rate)) in zip(sources, appearances.items(), strict=True):

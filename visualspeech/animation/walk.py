@@ -1,11 +1,13 @@
-"""An endless way through a few recorded seconds without a visible jump.
+"""An endless sequence of frames from a few recorded seconds, without a visible jump (Schoedl et al. 2000).
 
-Frames are played forwards and backwards. Before a recording ends, the way turns round or goes over to another place, of
-the same or of another recording, where the frames look alike (A. Schodl et al. 2000, Video textures). Every change is
-spread over some frames, in which the pictures of both ways are mixed: a movement that turns round comes to rest first,
-and what distance is left is shared out. Places are chosen by the mean distance over these frames, so that a place where
-the head turns fast, or blinks, is not chosen. Nor is one after which the speaker blinks again at once, as happens where
-the way turns round behind a blink.
+Frames are played forwards and backwards. Before a recording ends, the sequence reverses its direction or jumps to
+another position, in the same or in another recording, where the frames look similar. Every transition is a cross-fade
+over some frames: a movement that is reversed comes to rest first, and the remaining distance is spread over the frames.
+The cost of a transition is the mean distance over these frames, which avoids positions with fast head movement or a
+blink. Transitions after which the speaker would soon blink again are avoided too, for example a reversal just after a
+blink.
+
+A. Schoedl, R. Szeliski, D. Salesin and I. Essa, "Video textures", SIGGRAPH 2000.
 """
 
 from collections.abc import Iterator
@@ -19,7 +21,7 @@ from visualspeech.fields import MAX_SEED, Settings, setting
 
 
 class Mix(NamedTuple):
-    """One frame of the way: ``frame``, or where ``share`` is above 0 a mixture with so much of ``other``."""
+    """One frame of the sequence: ``frame`` mixed with ``other``, whose share is ``share`` (0 to 1)."""
 
     frame: int
     other: int
@@ -30,9 +32,8 @@ class Mix(NamedTuple):
 class WalkSettings(Settings):
     """Endless background from a few recorded seconds.
 
-    A transition costs the mean distance of the frames that are mixed, where an ordinary step from frame to frame is 2.
-    Of all transitions that cannot be seen one is chosen at random, since repetition is noticed; where there is none,
-    the best.
+    The cost of a transition is the mean distance of the frames that are mixed; an ordinary step between frames is 2.
+    One of the invisible transitions is chosen at random, because repetition is noticed; if there is none, the cheapest.
     """
 
     section = "walk"
@@ -53,37 +54,37 @@ class WalkSettings(Settings):
     )
     min_blink_interval: float = setting(
         2.0,
-        "Minimum time between two blinks that a transition may bring about, in seconds, where possible.",
+        "Minimum time between two blinks around a transition, in seconds, where possible.",
         minimum=0,
         maximum=3600,
     )
     seed: int = setting(0, "Seed of the choice among invisible transitions.", minimum=0, maximum=MAX_SEED)
 
 
-def changes(distances: np.ndarray, clip: np.ndarray, mixed: int) -> tuple[np.ndarray, np.ndarray]:
-    """What it costs to go over from each frame to each other.
+def transition_costs(distances: np.ndarray, clip: np.ndarray, mixed: int) -> tuple[np.ndarray, np.ndarray]:
+    """Costs of the transitions between all pairs of frames.
 
     Parameters
     ----------
     distances : (n, n) between frames
     clip : (n,) recording of each frame, ascending
-    mixed : frames on each side of a change
+    mixed : frames on each side of a transition
 
     Returns
     -------
-    same, turned : (n, n); the cost of going over from frame i to frame j, going on in the same direction or in the
-        other: the mean distance over the 2 ``mixed`` + 1 frames around, infinite where a recording ends before. Both
-        hold for either direction of time.
+    same, turned : (n, n) cost of a transition from frame i to frame j that keeps or reverses the direction: the mean
+        distance over the 2 ``mixed`` + 1 frames around, infinite if a recording ends within them. Both hold for playing
+        forwards and backwards.
     """
     count = len(distances)
     first, last = np.searchsorted(clip, clip), np.searchsorted(clip, clip, side="right") - 1
-    place = np.arange(count)
-    inside = (place - first >= mixed) & (last - place >= mixed)
+    frames = np.arange(count)
+    inside = (frames - first >= mixed) & (last - frames >= mixed)
     result = []
     for sign in (1, -1):
         total = np.zeros((count, count))
         for step in range(-mixed, mixed + 1):
-            total += distances[np.ix_(_clipped(place + step, count), _clipped(place + sign * step, count))]
+            total += distances[np.ix_(_clipped(frames + step, count), _clipped(frames + sign * step, count))]
         total /= 2 * mixed + 1
         total[~inside] = np.inf
         total[:, ~inside] = np.inf
@@ -99,14 +100,14 @@ def walk(
     settings: WalkSettings | None = None,
     closed: np.ndarray | None = None,
 ) -> Iterator[Mix]:
-    """Frames without end.
+    """Yield frames of the background endlessly.
 
     Parameters
     ----------
     distances : (n, n), of :func:`visualspeech.animation.background.frame_distances`
     clip : (n,) recording of each frame, ascending
-    rate : frames a second
-    closed : (n,) bool, frames in which the eyes are closed; default: in none
+    rate : frame rate in Hz
+    closed : (n,) bool, frames in which the eyes are closed; default: none
 
     Raises
     ------
@@ -121,29 +122,30 @@ def walk(
     if longest < 3:
         while True:
             yield Mix(0, 0, 0.0)
-    # A change needs `mixed` frames on each side, and the way from one to the next fits three times into a recording:
-    # so there always is a place to go over to.
+    # A transition needs `mixed` frames on each side, and the interval to the next one fits three times into the longest
+    # recording, so there is always a possible target.
     mixed = min(round(settings.crossfade * rate), (longest - 3) // 8)
-    same, turned = changes(distances, clip, mixed)
-    least = max(min(round(settings.min_interval * rate), (longest - 2 * mixed) // 3), 2 * mixed + 1)
+    same, turned = transition_costs(distances, clip, mixed)
+    min_interval = max(min(round(settings.min_interval * rate), (longest - 2 * mixed) // 3), 2 * mixed + 1)
     generator = np.random.default_rng(settings.seed)
     used = np.zeros(len(clip))
     closed = np.zeros(len(clip), bool) if closed is None else closed
-    until = {way: _until(closed, clip, way) for way in (1, -1)}
-    apart = settings.min_blink_interval * rate
+    until = {sign: _frames_until_blink(closed, clip, sign) for sign in (1, -1)}
+    blink_interval = settings.min_blink_interval * rate
     blinked = np.inf  # frames since the last blink
-    # Begin where the recordings do, in the one with most room.
+    # Begin at the beginning of the longest recording.
     at, direction = int(first[np.argmax(last - first)]), 1
     since = 0
     while True:
         end = last[at] if direction > 0 else first[at]
-        ahead = np.arange(at + direction * max(least - since, mixed), end + direction, direction)
-        past, least_gap = _blinks_along(closed[np.arange(at, end + direction, direction)], blinked)
+        ahead = np.arange(at + direction * max(min_interval - since, mixed), end + direction, direction)
+        past, min_gap = _blinks_along(closed[np.arange(at, end + direction, direction)], blinked)
         steps = abs(ahead - at)
-        gaps = [np.minimum(least_gap[steps, None], past[steps, None] + until[way]) for way in (direction, -direction)]
+        gaps = [np.minimum(min_gap[steps, None], past[steps, None] + until[sign]) for sign in (direction, -direction)]
         costs = [cost[ahead] * (1 + 0.2 * used) for cost in (same, turned)]
-        leave, to, way = _choice(ahead, direction, costs, gaps, first, last, least + mixed, apart, settings, generator)
-        entered = closed[np.arange(to, to + way * (mixed + 1), way)]
+        room = min_interval + mixed
+        leave, to, turn = _choice(ahead, direction, costs, gaps, first, last, room, blink_interval, settings, generator)
+        entered = closed[np.arange(to, to + turn * (mixed + 1), turn)]
         blinked = _blinks_along(entered, past[abs(leave - at)])[0][-1]
         used *= 0.7
         used[max(to - mixed, 0) : to + mixed + 1] += 1
@@ -151,26 +153,34 @@ def walk(
             yield Mix(frame, frame, 0.0)
         for step in range(-mixed, mixed + 1):
             share = (step + mixed + 1) / (2 * mixed + 2)
-            yield Mix(leave + direction * step, to + way * step, share * share * (3 - 2 * share))
-        at, direction, since = to + way * (mixed + 1), way, mixed + 1
+            yield Mix(leave + direction * step, to + turn * step, share * share * (3 - 2 * share))
+        at, direction, since = to + turn * (mixed + 1), turn, mixed + 1
 
 
-def _choice(ahead, direction, costs, gaps, first, last, room, apart, settings, generator) -> tuple[int, int, int]:
-    """Where to leave, where to go over to, and in which direction to go on."""
-    place = np.arange(len(first))
-    left = (last - place), (place - first)
-    ways = direction, -direction
-    table = np.stack([np.where(left[way < 0] >= room, cost, np.inf) for way, cost in zip(ways, costs, strict=True)])
+def _choice(
+    ahead, direction, costs, gaps, first, last, room, blink_interval, settings, generator
+) -> tuple[int, int, int]:
+    """The next transition: frame to leave, frame to continue with, and direction (1 or -1) after it."""
+    frames = np.arange(len(first))
+    left = (last - frames), (frames - first)
+    signs = direction, -direction
+    table = np.stack([np.where(left[sign < 0] >= room, cost, np.inf) for sign, cost in zip(signs, costs, strict=True)])
     chosen = np.argwhere(table <= max(settings.visibility_threshold, 1.1 * table.min()))
-    # Of changes that cannot be seen, those without a blink that comes too soon, or where it comes latest.
+    # Of the invisible transitions, those without an early blink, or else with the latest blink.
     gap = np.stack(gaps)[tuple(chosen.T)]
-    chosen = chosen[gap >= min(apart, 0.9 * gap.max())]
-    kind, row, to = chosen[generator.integers(len(chosen))]
-    return int(ahead[row]), int(to), int(direction if kind == 0 else -direction)
+    chosen = chosen[gap >= min(blink_interval, 0.9 * gap.max())]
+    turned, row, to = chosen[generator.integers(len(chosen))]
+    return int(ahead[row]), int(to), int(signs[turned])
 
 
 def _blinks_along(closed: np.ndarray, blinked: float) -> tuple[np.ndarray, np.ndarray]:
-    """Along a path of frames: how many since the eyes were last closed, and the least gap between two blinks so far."""
+    """For each frame of a path, frames since the eyes were last closed, and the smallest gap between two blinks so far.
+
+    Parameters
+    ----------
+    closed : (k,) bool, whether the eyes are closed
+    blinked : frames since the last blink before the path
+    """
     since, gaps, gap = np.empty(len(closed)), np.empty(len(closed)), np.inf
     for step, shut in enumerate(closed):
         if shut and blinked > 0:
@@ -180,10 +190,10 @@ def _blinks_along(closed: np.ndarray, blinked: float) -> tuple[np.ndarray, np.nd
     return since, gaps
 
 
-def _until(closed: np.ndarray, clip: np.ndarray, way: int) -> np.ndarray:
-    """Frames from each frame to the next in which the eyes are closed, in one direction; infinite if there is none."""
+def _frames_until_blink(closed: np.ndarray, clip: np.ndarray, direction: int) -> np.ndarray:
+    """Frames (n,) from each frame to the next one with closed eyes in one direction; infinite if there is none."""
     result = np.full(len(closed), np.inf)
-    order = range(len(closed))[::-way]
+    order = range(len(closed))[::-direction]
     for before, frame in zip([None, *order], order, strict=False):
         if closed[frame]:
             result[frame] = 0

@@ -40,7 +40,7 @@ def test_pictures_and_measures_come_back(tmp_path):
     assert np.allclose(found.landmarks, points, atol=1e-3)
     assert np.allclose(found.pose.rotation, np.concatenate([one.rotation for one in made]))
     for frame in (0, 41, len(found) - 1):
-        assert np.abs(found.picture(frame).astype(int) - draw(points[frame])).mean() < 1.0
+        assert np.abs(found.frame(frame).astype(int) - draw(points[frame])).mean() < 1.0
     again = tmp_path / "c.h5"
     write_background(again, (clip(one, name, face=face) for one, name, face in zip(made, "ab", faces, strict=True)))
     assert again.read_bytes() == (tmp_path / "b.h5").read_bytes()

@@ -185,8 +185,8 @@ def test_phones_that_the_model_lacks_are_replaced_or_refused(bundle):
 def test_a_scene_is_mixed_in_all_its_parts_alike(bundle):
     made = scene(bundle.background, 400)
     background = bundle.background
-    mixed = next(i for i, mix in enumerate(made.way) if mix.share)
-    frame, other, share = made.way[mixed]
+    mixed = next(i for i, mix in enumerate(made.mixes) if mix.share)
+    frame, other, share = made.mixes[mixed]
     expected = (1 - share) * background.landmarks[frame] + share * background.landmarks[other]
     assert np.allclose(made.landmarks[mixed], expected, atol=1e-3)
     assert np.allclose(made.clips.sum(axis=1), 1)
@@ -207,7 +207,7 @@ def test_pictures_do_not_depend_on_how_many_are_placed_at_a_time(bundle, monkeyp
     spool = Spool(np.float32, len(bundle.rest))
     spool.append(appearance)
     whole = list(speaking_frames(appearance, bundle, rate=100.0))
-    monkeypatch.setattr(speaking, "_PLACED", 7)
+    monkeypatch.setattr(speaking, "_FRAMES_AT_A_TIME", 7)
     pieces = list(speaking_frames(spool, bundle, rate=100.0))
     assert len(whole) == len(pieces) == 50
     assert max(np.abs(a.astype(int) - b).max() for a, b in zip(whole, pieces, strict=True)) <= 1

@@ -3,7 +3,7 @@ from itertools import islice
 import numpy as np
 import pytest
 
-from visualspeech.animation.walk import Mix, WalkSettings, changes, walk
+from visualspeech.animation.walk import Mix, WalkSettings, transition_costs, walk
 from visualspeech.errors import DataError, SettingError
 
 
@@ -82,7 +82,7 @@ def test_the_same_seed_takes_the_same_way():
 def test_costs_are_the_mean_distance_along_both_ways():
     distances = np.random.default_rng(6).uniform(size=(20, 20))
     clip = np.repeat([0, 1], 10)
-    same, turned = changes(distances, clip, 2)
+    same, turned = transition_costs(distances, clip, 2)
     assert same[4, 13] == pytest.approx(np.mean([distances[4 + s, 13 + s] for s in range(-2, 3)]))
     assert turned[4, 13] == pytest.approx(np.mean([distances[4 + s, 13 - s] for s in range(-2, 3)]))
     assert np.isinf(same[4, 11]) and np.isinf(same[9, 4]) and np.isinf(same[4, 4]) and np.isfinite(turned[4, 4])
