@@ -1,4 +1,4 @@
-"""The systems of one corpus side by side, in the measures that mean the same in each of them."""
+"""Comparison of the systems of one corpus in the measures that are comparable between them."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -20,8 +20,8 @@ from visualspeech.evaluation.statistics import (
     sample,
 )
 
-#: Measures and whether they are shown as figures or as ratios to the training mean of the row's own system. Errors of
-#: parameters are in units of the system's coding: only their ratios can be compared.
+#: Measures, and whether they are shown as figures or as ratios to the training mean of the row's own system. Errors of
+#: parameters are in units of the system's coding, so only their ratios can be compared.
 COLUMNS = (("lip_distance_px", "value"), ("rmse_appearance", "ratio"), ("corr", "value"), ("gv_ratio", "value"))
 FRAME_COLUMNS = ("system", "row", "metric", "part", "value", "low", "high")
 
@@ -45,13 +45,13 @@ class SystemRows:
 def systems_frame(systems: Sequence[SystemRows], bootstrap: BootstrapSettings):
     """Figures of all systems as a data frame: ``system row metric part value low high``, one line per row and column.
 
-    The truth of a figure is what the row's own system recorded at its own frame rate. Repetitions of a model are one
-    row. A measure that a system's statistics lack is NaN.
+    Predictions are compared with the recorded face in the system's own coding and at its own frame rate. Repetitions of
+    a model are one row. A measure whose statistics a system lacks is NaN.
 
     Raises
     ------
     DataError
-        The systems were evaluated on different utterances, or a training mean is missing.
+        The systems were evaluated on different utterances, two have the same name, or a training mean is missing.
     """
     import pandas
 
@@ -70,7 +70,7 @@ def systems_frame(systems: Sequence[SystemRows], bootstrap: BootstrapSettings):
 def _check(systems: Sequence[SystemRows]) -> None:
     names = [system.facts.system for system in systems]
     if len(set(names)) != len(names):
-        raise DataError(f"two systems of one table have one name: {', '.join(names)}. Rename one of them.")
+        raise DataError(f"two systems of a table have one name: {', '.join(names)}. Rename one of them.")
     tables = {name: next(iter(system.measured.tables.values())) for name, system in zip(names, systems, strict=True)}
     check_same_utterances(tables, frames=False)
 
@@ -85,7 +85,7 @@ def _figure(table, base, metric: Metric, drawn: np.ndarray, bootstrap: Bootstrap
 
 
 def systems_tables(frame, systems: Sequence[SystemRows], bootstrap: BootstrapSettings, digits: int = 3) -> tuple[Table]:
-    """The table across systems, their rows below a heading of each.
+    """The table of all systems, with a heading above the rows of each.
 
     Parameters
     ----------
@@ -125,7 +125,7 @@ def systems_tables(frame, systems: Sequence[SystemRows], bootstrap: BootstrapSet
 
 
 def _best(text, measured) -> set[tuple[str, str, str]]:
-    """Keys of the best cells of all systems together."""
+    """Keys of the best cells over all systems."""
     rows = [
         (system.facts.system, row.name) for system, pooled in measured for row in pooled.rows if row.role != "floor"
     ]

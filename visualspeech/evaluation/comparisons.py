@@ -1,7 +1,7 @@
-"""Which differences between rows are real: paired tests over test utterances, corrected for how many there are.
+"""Significance of differences between rows: paired tests over test utterances with Holm's correction.
 
-All pairs of rows are tested, not only those with the best one: the best row is known from the same utterances, and a
-family chosen after looking would need a correction that Holm's does not give.
+All pairs of rows are tested, not only pairs with the best row: the best row is chosen on the same utterances, and
+Holm's correction does not hold for a family of tests that is chosen after looking at the data.
 """
 
 from collections.abc import Sequence
@@ -26,9 +26,9 @@ class ComparisonSettings(Settings):
     """Paired tests over utterances between all pairs of rows, Holm-corrected.
 
     ``wilcoxon`` is the signed-rank test of the utterances' differences (Wilcoxon 1945). ``permutation`` tests the
-    difference of the two corpus figures, whose null distribution comes from changing signs of utterances at random;
-    where there are no more changes of signs than ``permutations``, all of them are made. The family of the correction
-    is all pairs of one measure (Holm 1979).
+    difference of the two corpus figures by random changes of the signs of the utterances' differences, or by all
+    changes if there are at most ``permutations`` of them. The family of the correction is all pairs of one measure
+    (Holm 1979).
     """
 
     section = "tables.comparison"
@@ -63,7 +63,7 @@ def signed_rank(differences: np.ndarray) -> float:
     differences = differences[np.isfinite(differences)]
     if not np.any(differences):
         return 1.0
-    # Equal differences must stay equal: the last bits of the quotients that they come from would rank them.
+    # Rounded, so that equal differences are ties; otherwise rounding errors would rank them.
     differences = np.round(differences / np.abs(differences).max(), 10)
     return float(wilcoxon(differences, zero_method="pratt").pvalue)
 
@@ -93,12 +93,12 @@ def compare(
     settings: ComparisonSettings | None = None,
     bootstrap: BootstrapSettings | None = None,
 ):
-    """Paired tests of all pairs of rows that predict, one line per measure and pair.
+    """Paired tests of all pairs of rows except the floor, one line per measure and pair.
 
     Parameters
     ----------
-    measured : the rows; repetitions are pooled, the floor is left out
-    metrics : names of measures; each one is a family of tests of its own
+    measured : the rows; repetitions are pooled
+    metrics : names of measures; the tests of one measure form a family
     settings : of the tests
     bootstrap : of the interval of each difference
 
@@ -141,7 +141,7 @@ def compare(
 def paired_p(metric: Metric, first: np.ndarray, second: np.ndarray, settings: ComparisonSettings) -> float:
     """P value of the difference of two rows, each given by :func:`visualspeech.evaluation.metrics.statistics_of`."""
     if settings.test == "permutation" and metric.is_additive:
-        # Both figures have one denominator: the sum of these differences is the difference of the figures, but for it.
+        # Both figures have the same denominator, so the sum of these differences is proportional to their difference.
         return sign_permutation(first[:, 0] - second[:, 0], settings)
     differences = metric.cost(metric.value(first)) - metric.cost(metric.value(second))
     return signed_rank(differences) if settings.test == "wilcoxon" else sign_permutation(differences, settings)
@@ -150,7 +150,7 @@ def paired_p(metric: Metric, first: np.ndarray, second: np.ndarray, settings: Co
 def comparison_tables(
     frame, measured: MeasuredRows, settings: ComparisonSettings, facts: Sequence[tuple[str, str]] = (), digits: int = 3
 ) -> tuple[Table, ...]:
-    """For each measure the rows, the best first: how far each is from the best, and how many rows it differs from.
+    """One table per measure: rows in order of the figure, difference to the best row, significant differences.
 
     Parameters
     ----------
@@ -198,10 +198,10 @@ def _notes(pairs: int, utterances: int, settings: ComparisonSettings) -> tuple[s
         "differs significantly. Intervals are paired bootstrap intervals of the difference, uncorrected.",
         "The best value of each measure is bold.",
     ]
-    least = 2.0 ** (1 - utterances) * pairs
-    if least >= settings.level:
+    smallest_p = 2.0 ** (1 - utterances)
+    if smallest_p * pairs >= settings.level:
         notes.append(
-            f"With {utterances} test utterances no p value can fall below {2.0 ** (1 - utterances):.2g}, which the "
-            f"correction for {pairs} pairs raises above the level: no difference can be significant here."
+            f"With {utterances} test utterances no p value can fall below {smallest_p:.2g}. After the correction for "
+            f"{pairs} pairs this exceeds the significance level, so no difference can be significant here."
         )
     return tuple(notes)

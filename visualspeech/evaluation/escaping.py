@@ -1,11 +1,11 @@
-"""Text from outside, made harmless in Markdown and LaTeX; HTML has :func:`html.escape`."""
+"""Escaping of arbitrary text for Markdown and LaTeX; for HTML, :func:`html.escape` is used."""
 
 import html
 
 _TEX = {
     "\\": r"\textbackslash{}",
     **{sign: f"\\{sign}" for sign in "&%$#_{}"},
-    "[": "{[}",  # a bracket after the end of a row would be read as its argument
+    "[": "{[}",  # after the end of a row, LaTeX would read a bracket as an optional argument
     "]": "{]}",
     "\u00a0": "~",
     "~": r"\textasciitilde{}",
@@ -26,12 +26,12 @@ _TEX = {
 
 
 def tex(text: str) -> str:
-    """Text that LaTeX sets as it stands."""
+    """Text escaped for LaTeX."""
     return "".join(_TEX.get(sign, sign) for sign in text)
 
 
 def markdown(text: str) -> str:
-    """Text that Markdown shows as it stands, inside a table too."""
+    """Text escaped for Markdown, also inside a table."""
     escaped = html.escape(text, quote=False)
     for sign in "\\`*_[]|":
         escaped = escaped.replace(sign, f"\\{sign}")

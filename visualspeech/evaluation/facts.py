@@ -1,4 +1,4 @@
-"""What the figures of a table were computed on: the header of every table."""
+"""Facts about the data of a table's figures, shown in the header of every table."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -7,20 +7,22 @@ from visualspeech import __version__
 from visualspeech.evaluation.measured import MeasuredRows
 from visualspeech.provenance import split_hash
 
-#: Parts of an appearance model in the order in which papers give their sizes.
-_PARTS = ("shape", "texture", "appearance")
+#: Analyses of an appearance model in the order in which papers give their numbers of components.
+_ORDER = ("shape", "texture", "appearance")
 _COMPONENTS = "_components"
 
 
 @dataclass(frozen=True)
 class TableFacts:
-    """What a table was computed on; the commit is left out, so that a table does not go stale with every commit.
+    """Facts about the data of a table.
+
+    The commit is not among them, because every commit would then make all tables out of date.
 
     Parameters
     ----------
     corpus, system : names
     split_hash : from :func:`visualspeech.provenance.split_hash`
-    rate : frame rates of the test utterances in Hz, mostly a single one
+    rate : frame rates of the test utterances in Hz, usually only one
     coding : name of the visual coding
     coding_sizes : its numbers of components, for example ``66 shape, 100 texture, 87 appearance``
     drift : method of drift removal, ``none`` where there is none
@@ -80,7 +82,7 @@ class TableFacts:
 
     @property
     def rate_text(self) -> str:
-        """The frame rate with its unit, or the lowest and the highest of several."""
+        """The frame rate with its unit; of several rates, the lowest and the highest."""
         ends = dict.fromkeys((*self.rate[:1], *self.rate[-1:]))
         return "–".join(f"{rate:g}" for rate in ends) + " Hz" if ends else ""
 
@@ -93,5 +95,5 @@ class TableFacts:
 def coding_sizes(shapes: Mapping[str, Sequence[int]]) -> str:
     """Numbers of components of a coding's model: the rows of its arrays ``shape_components`` and so on."""
     sizes = {name.removesuffix(_COMPONENTS): shape[0] for name, shape in shapes.items() if name.endswith(_COMPONENTS)}
-    ordered = sorted(sizes, key=lambda part: (_PARTS.index(part) if part in _PARTS else len(_PARTS), part))
-    return ", ".join(f"{sizes[part]} {part}" for part in ordered)
+    ordered = sorted(sizes, key=lambda name: (_ORDER.index(name) if name in _ORDER else len(_ORDER), name))
+    return ", ".join(f"{sizes[name]} {name}" for name in ordered)

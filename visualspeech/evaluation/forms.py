@@ -18,7 +18,10 @@ PAGE_STYLE = (
 
 
 def all_forms(frame, tables: Sequence[Table], title: str) -> tuple[str, str, str, str]:
-    """TSV of a data frame under the facts of the first table (lines that begin with ``#``); Markdown, LaTeX, HTML."""
+    """The texts of the TSV, Markdown, LaTeX and HTML files of a data frame and its tables.
+
+    The TSV begins with the facts of the first table, on lines that begin with ``#``.
+    """
     facts = "".join(f"# {_flat(name)}: {_flat(text)}\n" for name, text in (tables[0].facts if tables else ()))
     return facts + table_text(frame), to_markdown(tables), to_latex(tables), to_html_page(tables, title)
 
@@ -28,7 +31,7 @@ def _flat(text: str) -> str:
 
 
 def to_markdown(tables: Sequence[Table]) -> str:
-    """GitHub-flavoured Markdown, which has one line of headings: a group's name stands before each of its columns."""
+    """GitHub-flavoured Markdown; the name of a group precedes each of its columns, as there is one line of headings."""
     return "\n\n".join(map(_markdown_table, tables)) + "\n"
 
 
@@ -94,20 +97,20 @@ def _latex_cell(cell: Cell) -> str:
 
 
 def to_html(tables: Sequence[Table]) -> str:
-    """HTML fragments (``<figure>``) that style themselves where they stand; all text escaped."""
+    """HTML fragments (``<figure>``) without a style of their own; all text is escaped."""
     return "\n".join(line for table in tables for line in _html_table(table)) + "\n"
 
 
 def _html_table(table: Table) -> list[str]:
-    kind = "result-table grouped" if table.groups else "result-table"
+    css_class = "result-table grouped" if table.groups else "result-table"
     facts = " · ".join(_pairs(table.facts, "{}: {}"))
-    out = [f'<figure class="{kind}">', f"<figcaption><b>{html.escape(table.title)}</b>"]
+    out = [f'<figure class="{css_class}">', f"<figcaption><b>{html.escape(table.title)}</b>"]
     out += [facts, '</figcaption><div class="scroll"><table><thead>']
     corner = f'<th scope="col"{" rowspan=2" if table.groups else ""}>{html.escape(table.corner)}</th>'
     if table.groups:
         spans = "".join(f'<th scope="colgroup" colspan="{n}">{html.escape(name)}</th>' for name, n in table.groups)
         out.append(f"<tr>{corner}{spans}</tr>")
-    # Many columns stand side by side: a heading may break before its bracket.
+    # With many columns, headings need a line break before the bracket.
     heads = "".join(f'<th scope="col">{html.escape(name).replace("(", "<wbr>(")}</th>' for name in table.columns)
     out.append(f"<tr>{'' if table.groups else corner}{heads}</tr></thead><tbody>")
     out += [_html_row(row, len(table.columns)) for row in table.rows]
@@ -141,7 +144,7 @@ def _html_cell(cell: Cell) -> str:
 
 
 def to_html_page(tables: Sequence[Table], title: str) -> str:
-    """The tables as an HTML page of its own, without anything from outside."""
+    """A self-contained HTML page with the tables."""
     return (
         '<!doctype html>\n<html lang="en"><head><meta charset="utf-8">'
         f"<title>{html.escape(title)}</title><style>{PAGE_STYLE}</style></head><body><h1>{html.escape(title)}</h1>\n"
@@ -150,12 +153,12 @@ def to_html_page(tables: Sequence[Table], title: str) -> str:
 
 
 def fragment_of(page: str) -> str:
-    """The tables of a page that :func:`to_html_page` wrote, for a page that holds more.
+    """The tables of a page written by :func:`to_html_page`, for use in another page.
 
     Raises
     ------
     StorageError
-        It is no such page.
+        The text is not such a page.
     """
     _, heading, rest = page.partition("</h1>\n")
     body, end, _ = rest.rpartition("</body>")

@@ -1,4 +1,4 @@
-"""What the best network gains over reference models, as in Table 3 of Fan et al. (2015), and how sure that is."""
+"""Gains of the best network over reference models, as in Table 3 of Fan et al. (2015), with confidence intervals."""
 
 from collections.abc import Mapping, Sequence
 
@@ -18,10 +18,10 @@ COLUMNS = ("source", "row", "metric", "value", "low", "high", "gain", "gain_low"
 
 
 def best_cell(rows: Sequence[ModelRow], curves: Mapping[str, object]) -> str:
-    """The cell with the lowest validation error among the candidates, which are the rows that have a learning curve.
+    """The cell with the lowest validation error among the candidates, which are the rows with a learning curve.
 
-    The test utterances have no say in it, so that the best of many is not judged by what it was chosen by. The lowest
-    errors of the seeds of one cell are averaged.
+    It is chosen on the validation utterances, so that its figures on the test utterances are not biased by the choice.
+    The lowest errors of the seeds of one cell are averaged.
 
     Parameters
     ----------
@@ -64,9 +64,9 @@ def gains_frame(
 ):
     """Figures of the reference models and of the best network as a data frame with :data:`COLUMNS`.
 
-    ``gain`` is what the network gains over a reference: of an error the share by which it is lower (``1 - network /
-    reference``), else the difference. Its interval is drawn in pairs. P values are Holm-corrected over all lines. Rows
-    of the published table have a gain and nothing else.
+    ``gain`` is the gain of the network over a reference: for errors the share by which the error is lower (``1 -
+    network / reference``), for other measures the difference. Its interval is a paired one. P values are Holm-corrected
+    over all lines. Published rows have a value and a gain only.
 
     Parameters
     ----------
@@ -128,7 +128,7 @@ def gains_tables(
     settings: ComparisonSettings,
     digits: int = 3,
 ) -> tuple[Table, ...]:
-    """The table in the paper's layout, of the run and as published, each followed by what the network gains.
+    """The table in the paper's layout, of the run and as published, each followed by the gains of the network.
 
     Parameters
     ----------
@@ -144,8 +144,8 @@ def gains_tables(
         "bootstrap intervals over test utterances.",
     )
     note = (
-        "Share by which the network's errors are lower; difference of measures that are no errors; with paired "
-        f"bootstrap intervals. Bold: the p value of a paired test over utterances, Holm-corrected, is below "
+        "For errors, the share by which the network's error is lower; for other measures, the difference; with paired "
+        f"bootstrap intervals. A gain is bold if the Holm-corrected p value of a paired test over utterances is below "
         f"{settings.level:g}."
     )
     heading = "Best network and reference models"
@@ -159,7 +159,7 @@ def gains_tables(
 
 
 def _tables(part, heading: str, titles: Mapping[str, str], facts, notes, settings, digits: int) -> list[Table]:
-    """Figures, and what the last row gains over the others; ``notes`` of both."""
+    """The table of figures, and the table of the last row's gains over the others; ``notes`` has those of both."""
     found = {(row.row, row.metric): row for row in part.itertuples()}
     rows, metrics = (list(dict.fromkeys(part[column])) for column in ("row", "metric"))
     best = {m: min(rows, key=lambda row: METRICS[m].cost(found[row, m].value)) for m in metrics}  # noqa: B023

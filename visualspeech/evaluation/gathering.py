@@ -1,4 +1,4 @@
-"""What the report shows, gathered from the files of a run."""
+"""Gathers the content of the report from the files of a run."""
 
 from collections.abc import Mapping, Sequence
 from datetime import date
@@ -25,30 +25,30 @@ from visualspeech.storage import ArrayCollection, ArrayReader, read_table, read_
 SPLITS = ("train", "validation", "test")
 LIBRARIES = ("numpy", "scipy", "torch", "opencv-contrib-python-headless", "dlib-bin", "pocketsphinx", "av", "snakemake")
 
-#: Networks that share one panel of learning curves; more are drawn in one panel per topology.
-MOST_CURVES = 6
+#: Maximum number of networks in one panel of learning curves; more are drawn in one panel per topology.
+MAX_CURVES = 6
 
-#: Stages that go through every recorded frame once; the others have no frames per second.
+#: Stages that process every recorded frame once; other stages have no frames per second.
 FRAME_STAGES = ("check_recordings", "track_landmarks", "normalise_pose")
 
 
 def fragments(paths: Sequence[str]) -> tuple[str, ...]:
-    """The tables of pages that :func:`visualspeech.evaluation.forms.to_html_page` wrote."""
+    """The tables of pages written by :func:`visualspeech.evaluation.forms.to_html_page`."""
     return tuple(fragment_of(read_text(path)) for path in paths)
 
 
 def system_section(
     given: Mapping, utterances: Sequence[Utterance], alignments: Sequence[str], report: str, trajectories: int = 3
 ) -> SystemSection:
-    """What the report shows of one system.
+    """The section of one system in the report.
 
     Parameters
     ----------
-    given : ``name`` and ``title`` of the system; ``facts``, (name, text) pairs; paths: ``tables`` (HTML pages),
+    given : ``name`` and ``title`` of the system; ``facts`` as (name, text) pairs; and paths: ``tables`` (HTML pages),
         ``targets`` (shards), ``curves`` (of the ``rows``, plain :class:`ModelRow`, in the same order), ``coding`` and
         ``reference`` (models, empty for a coding without texture), ``predictions`` of the model named ``model``, and
-        ``videos`` (a folder). An empty value leaves its part out
-    utterances : accepted ones
+        ``videos`` (a folder). What is empty is left out of the section
+    utterances : the accepted utterances
     alignments : shards of the alignment
     report : path of the page, to which links are relative
     trajectories : number of test utterances whose trajectories are shown
@@ -72,12 +72,12 @@ def system_section(
 
 
 def learning_curves(rows: Sequence[ModelRow], curves: Sequence) -> tuple[Picture, ...]:
-    """One picture with the learning curves of all networks."""
+    """One figure with the learning curves of all networks; none without networks."""
     if not rows:
         return ()
     panels: dict[str, dict[str, object]] = {}
     for row, curve in zip(rows, curves, strict=True):
-        panel = str(row.settings.get("letters", row.group)) if len(rows) > MOST_CURVES else ""
+        panel = str(row.settings.get("letters", row.group)) if len(rows) > MAX_CURVES else ""
         panels.setdefault(panel, {})[row.name] = curve
     caption = f"Learning curves of {', '.join(row.name for row in rows)}"
     return (Picture(plots.learning_curves(panels), caption),)
@@ -86,7 +86,7 @@ def learning_curves(rows: Sequence[ModelRow], curves: Sequence) -> tuple[Picture
 def trajectory_pictures(
     utterances: Sequence[Utterance], targets: ArrayCollection, predictions: str, model: str, alignments: Sequence[str]
 ) -> tuple[Picture, ...]:
-    """Predicted and true appearance parameters of utterances."""
+    """Figures of the predicted and true appearance parameters, one per utterance."""
     ids = [one.id for one in utterances]
     aligned = {name: found for path in alignments for name, found in read_alignments(path, ids).items()}
     pictures = []
@@ -104,7 +104,7 @@ def trajectory_pictures(
 
 
 def aam_modes(aam: Aam, reference: Reference, count: int = 4) -> tuple[Picture, ...]:
-    """The first appearance, shape and texture modes, two standard deviations either way."""
+    """Figures of the first appearance, shape and texture modes at -2, 0 and 2 standard deviations."""
     pictures = []
     letters = {"appearance": "v", "shape": "a", "texture": "b"}
     for (kind, letter), size in zip(letters.items(), (aam.sizes[2], *aam.sizes[:2]), strict=True):
@@ -123,7 +123,7 @@ def _to_height(picture: np.ndarray, height: int) -> np.ndarray:
 
 
 def videos(folder: str, report: str, utterances: Sequence[Utterance], model: str) -> tuple[Video, ...]:
-    """Links to the videos of a folder."""
+    """Links to the videos in a folder."""
     transcripts = {one.id: one.transcript for one in utterances}
     base = Path(report).parent
     return tuple(
@@ -138,7 +138,7 @@ def split_sizes(utterances: Sequence[Utterance]) -> dict[str, int]:
 
 
 def frames_text(utterances: Sequence[Utterance], targets: ArrayCollection) -> str:
-    """Number of frames of each split at the rate of a system, for people."""
+    """Number of frames of each split at the rate of a system, as text."""
     counts = {
         split: sum(targets.length(one.id, "appearance") for one in of_split(utterances, split)) for split in SPLITS
     }
@@ -146,7 +146,7 @@ def frames_text(utterances: Sequence[Utterance], targets: ArrayCollection) -> st
 
 
 def stage_timings(benchmarks: Sequence[str], landmarks: Sequence[str]) -> tuple[StageTiming, ...]:
-    """What the stages cost, from their benchmark files; recorded frames are counted in the shards of landmarks."""
+    """Cost of the stages from their benchmark files; recorded frames are counted in the landmark files."""
     with ArrayCollection(landmarks) as tracked:
         frames = sum(tracked.length(one, "points") for one in tracked.ids)
     return read_timings(benchmarks, dict.fromkeys(FRAME_STAGES, frames))
@@ -155,11 +155,11 @@ def stage_timings(benchmarks: Sequence[str], landmarks: Sequence[str]) -> tuple[
 def origin() -> dict[str, str]:
     """Commit, date and command of a run, as :class:`ReportContent` takes them.
 
-    They are found when the report is written: as parameters of its job they would make it stale with every call.
+    They are determined when the report is written; as parameters of its job they would make it outdated at every call.
     """
     return {"commit": commit(), "command": command(), "date": date.today().isoformat()}
 
 
 def versions() -> dict[str, str]:
-    """Versions of this program and of the libraries that figures may depend on."""
+    """Versions of this program and of the libraries on which figures may depend."""
     return {"visualspeech": __version__} | {name: version(name) for name in LIBRARIES}

@@ -1,7 +1,7 @@
-"""A table as people read it: cells, rows, headings that span columns, facts, notes, definitions.
+"""Tables for readers: cells, rows, headings that span columns, facts, notes and definitions.
 
-A :class:`Table` holds text, already rounded to what is shown. :mod:`visualspeech.evaluation.forms` writes it as
-Markdown, LaTeX and HTML; the figures that it was made from are written beside it as TSV. So the forms cannot disagree.
+A :class:`Table` holds text that is already rounded. :mod:`visualspeech.evaluation.forms` writes it as Markdown, LaTeX
+and HTML, which therefore show the same figures; the figures themselves are written as TSV.
 """
 
 from collections.abc import Mapping, Sequence
@@ -12,14 +12,14 @@ from visualspeech.evaluation.metrics import Metric
 
 @dataclass(frozen=True)
 class Cell:
-    """What a cell shows.
+    """The content of a cell.
 
     Parameters
     ----------
-    text : the figure; empty is shown as a dash
-    small : beside it, less prominent: an interval, a deviation
-    best : shown in bold
-    collapsed : shown in italics with a dagger; a note says what that means
+    text : the figure; an empty text is shown as a dash
+    small : interval or deviation, shown after the figure in small print
+    best : whether the figure is bold
+    collapsed : whether the figure is in italics with a dagger, which a note explains
     """
 
     text: str
@@ -35,7 +35,7 @@ class Row:
     Parameters
     ----------
     title : heading of the row
-    cells : as many as the table has columns; none: the title is a heading over the rows below it
+    cells : one per column; none if the title is a heading of the rows below it
     role : of :data:`visualspeech.models.rows.ROLES`; baselines and the floor are less prominent
     """
 
@@ -50,13 +50,13 @@ class Table:
 
     Parameters
     ----------
-    title : above it
-    columns : headings of the lower line, without that of the first column
+    title : caption
+    columns : headings of the columns after the first one
     rows : see :class:`Row`
-    groups : headings of the upper line, each with the number of columns it spans; empty: there is no upper line
-    facts : (name, text) pairs: what the figures were computed on
-    notes : sentences below it
-    definitions : (term, definition) pairs below it
+    groups : headings above those of the columns, each with the number of columns that it spans; may be empty
+    facts : (name, text) pairs that describe the data of the figures
+    notes : sentences below the table
+    definitions : (term, definition) pairs below the table
     corner : heading of the first column
     """
 
@@ -71,26 +71,26 @@ class Table:
 
 
 def shown(value: float, digits: int) -> str:
-    """A figure with a number of digits after the point; empty where it is NaN."""
+    """A figure with a number of decimals; empty for NaN."""
     if value != value:
         return ""
     text = f"{value:.{digits}f}"
-    # No negative zero: "-0.000" would look like a finding.
+    # Rounding may give "-0.000"; the sign of a zero means nothing.
     return text.removeprefix("-") if float(text) == 0 else text
 
 
 def interval(low: str, high: str) -> str:
-    """An interval of two figures as shown; empty where there is none."""
+    """An interval of two figures as text; empty if one of them is empty."""
     return f"[{low}, {high}]" if low and high else ""
 
 
 def best_of(metric: Metric, figures: Mapping[str, str]) -> set[str]:
-    """The keys with the best figure as shown, ties all count; empty where there is nothing to compare."""
-    # Rounded, so that 0.9 and 1.1 are equally far from 1.
+    """Keys of the best figures after rounding, including ties; empty if there are fewer than two figures."""
+    # Rounding makes 0.9 and 1.1 equally far from 1.
     costs = {key: round(metric.cost(float(text)), 12) for key, text in figures.items() if text}
     return {key for key, cost in costs.items() if cost == min(costs.values())} if len(costs) > 1 else set()
 
 
 def definitions_of(metrics: Sequence[Metric]) -> tuple[tuple[str, str], ...]:
-    """Measures and what they mean, for :attr:`Table.definitions`."""
+    """Titles and definitions of measures, for :attr:`Table.definitions`."""
     return tuple((metric.title, f"{metric.definition}.") for metric in metrics)

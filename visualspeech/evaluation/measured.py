@@ -1,4 +1,4 @@
-"""Models as they were measured: each row of a table with the statistics of its test utterances."""
+"""Rows of a result table with the statistics of their test utterances."""
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -9,17 +9,17 @@ from visualspeech.errors import DataError
 from visualspeech.evaluation.metrics import corpus_figure
 from visualspeech.models.rows import ModelRow
 
-#: Family of the row that figures are shown as a ratio to: the mean of all training frames.
+#: Family of the base row of ratios: the mean of all training frames.
 BASE_FAMILY = "mean"
 
 
 def check_same_utterances(tables: Mapping[str, object], frames: bool = True) -> None:
-    """Check that all tables are of the same utterances, in one order, and of the same frames.
+    """Check that all tables have the same utterances in the same order, with the same numbers of frames.
 
     Parameters
     ----------
     tables : name of a row -> table with the columns ``id`` and ``frames``
-    frames : False where the rows are of several frame rates
+    frames : False for rows of different frame rates, whose numbers of frames are not compared
 
     Raises
     ------
@@ -123,9 +123,9 @@ class MeasuredRows:
         return cells_of(self.rows)
 
     def pooled(self) -> "MeasuredRows":
-        """The repetitions of each cell as one row under the name of the cell.
+        """The repetitions of each cell averaged to one row, which has the name of the cell.
 
-        Its statistics are means over the repetitions. The figure of a quotient is then the mean of the repetitions'
+        The statistics are means over the repetitions. The figure of a quotient is then the mean of the repetitions'
         figures; the concordance correlation is that of the frames of all repetitions together.
         """
         cells = self.cells()
@@ -134,13 +134,13 @@ class MeasuredRows:
         return MeasuredRows(rows, tables)
 
     def mean_and_deviation(self, rows: Sequence[ModelRow], metric: str) -> tuple[float, float]:
-        """Mean of a corpus figure over repetitions, and its sample standard deviation; NaN of a single one."""
+        """Mean of a corpus figure over repetitions and its sample standard deviation, NaN for a single repetition."""
         figures = [corpus_figure(self.tables[row.name], metric) for row in rows]
         return float(np.mean(figures)), float(np.std(figures, ddof=1)) if len(figures) > 1 else float("nan")
 
 
 def cells_of(rows: Sequence[ModelRow]) -> dict[str, tuple[ModelRow, ...]]:
-    """Rows by the cell that they are repetitions of; a row of no cell is its own."""
+    """Rows by the cell that they are repetitions of; a row without a cell is a cell of its own."""
     found: dict[str, tuple[ModelRow, ...]] = {}
     for row in rows:
         cell = row.cell or row.name

@@ -1,9 +1,9 @@
-"""Objective measures of a predicted face sequence: Eq. 16-19 of Fan et al. (2015), and three that they lack.
+"""Objective measures of a predicted face sequence: Eq. 16-19 of Fan et al. (2015), and three others.
 
-An utterance is kept as *sufficient statistics*: numbers that are added over utterances and from whose sums the figure
-of a corpus follows. Eq. 16-19, the lip distance and the global-variance ratio are quotients of two sums; the
-concordance correlation is a function of the moments of prediction and truth (:func:`concordance`). A new measure is an
-entry of :data:`METRICS`, and where it needs further statistics, a line of :func:`score`.
+An utterance is represented by *sufficient statistics*: numbers whose sums over utterances determine the figure of a
+corpus. Eq. 16-19, the lip distance and the global-variance ratio are quotients of two sums; the concordance correlation
+is a function of the moments of prediction and truth (:func:`concordance`). A new measure is an entry of
+:data:`METRICS`; if it needs further statistics, :func:`score` computes them.
 """
 
 from collections.abc import Callable, Iterable
@@ -36,7 +36,7 @@ def concordance(sums: np.ndarray) -> np.ndarray:
     frames = sums[..., :1]
     parts = sums[..., 1:].reshape(*sums.shape[:-1], 5, -1)
     with np.errstate(divide="ignore", invalid="ignore"):
-        x, y, xx, yy, xy = (parts[..., place, :] / frames for place in range(5))
+        x, y, xx, yy, xy = (parts[..., index, :] / frames for index in range(5))
         spread = np.maximum(xx - x**2, 0) + np.maximum(yy - y**2, 0) + (x - y) ** 2
         each = np.where(spread > 0, 2 * (xy - x * y) / spread, np.nan)
         defined = np.isfinite(each)
@@ -45,15 +45,15 @@ def concordance(sums: np.ndarray) -> np.ndarray:
 
 @dataclass(frozen=True)
 class Metric:
-    """A measure: how it is computed from the statistics of utterances, and what a table says about it.
+    """A measure: its computation from the statistics of utterances, and its description in tables.
 
     Parameters
     ----------
-    name : used in settings and in tables of figures
-    title : heading for people
-    definition : one sentence, with the equation's number where the paper has one
-    best : ``low``, ``high`` or ``one`` (the nearer to 1 the better)
-    columns : statistics that it needs, columns of the table of :func:`score_table`; a name that is no column stands for
+    name : in settings and in files of figures
+    title : heading in tables
+    definition : one sentence, with the number of the equation if the paper has one
+    best : best figures are ``low``, ``high``, or near ``one``
+    columns : statistics that it needs, columns of the table of :func:`score_table`; a name without a column stands for
         the vector of the columns ``name.0``, ``name.1``, ...
     value : sums of these statistics over utterances (..., k) -> figure (...)
     unit : unit of the figure, empty for none
@@ -68,22 +68,22 @@ class Metric:
     unit: str = ""
 
     def cost(self, figure):
-        """The figure turned so that lower is better."""
+        """A monotonic function of the figure of which lower values are better."""
         return {"low": figure, "high": -figure, "one": abs(figure - 1)}[self.best]
 
     @property
     def is_error(self) -> bool:
-        """Whether 0 is a perfect figure, so that ratios of figures mean something."""
+        """Whether 0 is a perfect figure, so that ratios of figures are meaningful."""
         return self.best == "low"
 
     @property
     def is_additive(self) -> bool:
-        """Whether a difference of two rows is a sum over utterances, but for a denominator that all rows share."""
+        """Whether the difference of two rows is a sum over utterances divided by a denominator that all rows share."""
         return self.value is quotient and self.best != "one"
 
     @property
     def heading(self) -> str:
-        """Title with the unit and an arrow to the better figures."""
+        """Title with the unit and an arrow in the direction of better figures."""
         arrow = {"low": "↓", "high": "↑", "one": "→\u00a01"}[self.best]
         return f"{self.title}{f' [{self.unit}]' if self.unit else ''}\u00a0{arrow}"
 
@@ -151,12 +151,12 @@ METRICS: dict[str, Metric] = {
 
 
 def metric_named(name: str) -> Metric:
-    """The measure of that name.
+    """The measure with that name.
 
     Raises
     ------
     SettingError
-        There is none; the message names the known ones.
+        There is none; the message lists the known ones.
     """
     if name not in METRICS:
         raise SettingError(f"unknown metric `{name}` in the settings of the tables. Known: {', '.join(METRICS)}.")
@@ -206,7 +206,7 @@ def frame_correlation(predicted: np.ndarray, true: np.ndarray) -> np.ndarray:
     predicted, true = _pair(predicted, true)
     x = predicted - predicted.mean(axis=1, keepdims=True)
     y = true - true.mean(axis=1, keepdims=True)
-    # Rounding leaves a constant vector with a residue of some 1e-16 of its size.
+    # Rounding errors make the deviations of a constant vector about 1e-16 of its size, not 0.
     constant = np.zeros(len(x), dtype=bool)
     for centred, values in ((x, predicted), (y, true)):
         constant |= np.abs(centred).max(axis=1) <= 1e-14 * np.abs(values).max(axis=1)
@@ -298,7 +298,7 @@ def statistics_of(table, metric: Metric) -> np.ndarray:
             f"a table of statistics lacks the column `{name}`, which `{metric.name}` needs. Delete the table and run "
             "again."
         )
-    # Each column in one piece: its sum has the same bits whatever stands beside it.
+    # Contiguous columns, so that the bits of a sum do not depend on the other columns.
     return np.array([table[column].to_numpy(dtype=np.float64) for columns in found for column in columns]).T
 
 
@@ -316,7 +316,7 @@ def _columns(table, name: str) -> list[str]:
 
 def total(statistics: np.ndarray) -> np.ndarray:
     """Sums over utterances, (..., utterances, k) -> (..., k)."""
-    return np.stack([statistics[..., place].sum(axis=-1) for place in range(statistics.shape[-1])], axis=-1)
+    return np.stack([statistics[..., index].sum(axis=-1) for index in range(statistics.shape[-1])], axis=-1)
 
 
 def corpus_figure(table, name: str) -> float:

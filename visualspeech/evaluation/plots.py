@@ -1,7 +1,7 @@
-"""Pictures of learning curves, trajectories and appearance modes, as the bytes of PNG files.
+"""Plots of learning curves, trajectories and appearance modes, as the bytes of PNG files.
 
-The same input gives the same bytes: the style is fixed here, whatever a user's matplotlib is set to, and the files
-carry no date or version.
+The same input gives the same bytes: the style does not depend on the user's matplotlib settings, and the files contain
+no date or version.
 """
 
 import io
@@ -13,7 +13,7 @@ import numpy as np
 from visualspeech.errors import DataError
 from visualspeech.speech.phones import SILENCE
 
-#: Okabe and Ito's colours, told apart by colour-blind readers too.
+#: Okabe and Ito's colours, which colour-blind readers can distinguish.
 COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#7f7f7f", "#000000")
 TRUTH = "#1a1a1a"
 STYLE = {
@@ -36,7 +36,7 @@ STYLE = {
     "legend.frameon": False,
     "lines.linewidth": 1.6,
     "lines.solid_capstyle": "round",
-    # A "$" in a name that a stranger chose is a dollar sign, not a formula.
+    # A "$" in a name is a dollar sign, not the beginning of a formula.
     "text.parse_math": False,
     "text.usetex": False,
 }
@@ -91,8 +91,8 @@ def learning_curves(panels: Mapping[str, Mapping[str, object]]) -> bytes:
         for axes in grid.flat[max(0, len(groups) - across) : len(groups)]:
             axes.tick_params(labelbottom=True)
         for (title, panel), axes in zip(groups.items(), grid.flat, strict=False):
-            for place, (name, curve) in enumerate(panel.items()):
-                _curve(axes, curve, COLOURS[place % len(COLOURS)], str(name))
+            for number, (name, curve) in enumerate(panel.items()):
+                _curve(axes, curve, COLOURS[number % len(COLOURS)], str(name))
             axes.set_title(title)
             axes.xaxis.get_major_locator().set_params(integer=True)
             if across > 1:
@@ -156,7 +156,7 @@ def trajectories(
     true = np.asarray(true)
     for model, values in predicted.items():
         if np.shape(values) != true.shape:
-            raise DataError(f"{model} predicts {np.shape(values)}, the truth is {true.shape}.")
+            raise DataError(f"{model} predicts an array of shape {np.shape(values)}, the truth has {true.shape}.")
     count = min(count, true.shape[1])
     times = frame_times(len(true), rate)
     end = len(true) / rate
@@ -164,14 +164,14 @@ def trajectories(
         figure = _figure(10.5, 1.55 * count + 1.0)
         panels = figure.subplots(count, 1, sharex=True, squeeze=False)[:, 0]
         for column, axes in enumerate(panels):
-            # The grid of this picture is the borders of the phones.
+            # Phone borders take the place of grid lines.
             axes.grid(False)
-            for place, (label, start, stop) in enumerate(phones):
-                shade = "#f4f4f2" if label == SILENCE else ("#e6edf5", "#f6f9fc")[place % 2]
+            for number, (label, start, stop) in enumerate(phones):
+                shade = "#f4f4f2" if label == SILENCE else ("#e6edf5", "#f6f9fc")[number % 2]
                 axes.axvspan(start, stop, color=shade, linewidth=0, zorder=0)
             axes.plot(times, true[:, column], color=TRUTH, linewidth=1.9, label="recorded", zorder=2)
-            for place, (model, values) in enumerate(predicted.items()):
-                colour = COLOURS[(place + 1) % len(COLOURS)]
+            for number, (model, values) in enumerate(predicted.items(), start=1):
+                colour = COLOURS[number % len(COLOURS)]
                 axes.plot(times, np.asarray(values)[:, column], color=colour, label=str(model), zorder=3)
             axes.set_ylabel(f"{name}{column + 1}", rotation=0, ha="right", va="center")
             axes.margins(y=0.08)
@@ -185,18 +185,18 @@ def trajectories(
 
 
 def _phone_labels(axes, phones: Sequence[tuple[str, float, float]], end: float) -> None:
-    """Write the phones under the last panel, in two rows in turn so that short ones do not run into each other."""
+    """Write the phones below the last panel, alternating between two rows so that short ones do not overlap."""
     if not phones:
         return
     axes.tick_params(axis="x", pad=26)
     size = float(np.clip(9 - 0.04 * len(phones), 5, 8.5))
-    for place, (label, start, stop) in enumerate(phones):
+    for number, (label, start, stop) in enumerate(phones):
         if start < end:
             axes.annotate(
                 str(label),
                 ((start + min(stop, end)) / 2, 0),
                 xycoords=("data", "axes fraction"),
-                xytext=(0, -5 - 11 * (place % 2)),
+                xytext=(0, -5 - 11 * (number % 2)),
                 textcoords="offset points",
                 ha="center",
                 va="top",
@@ -209,7 +209,7 @@ def _phone_labels(axes, phones: Sequence[tuple[str, float, float]], end: float) 
 def mode_pictures(
     pictures: np.ndarray, rows: Sequence[str] | None = None, columns: Sequence[str] | None = None
 ) -> bytes:
-    """Rendered faces in a grid: one row a mode, one column a step along it.
+    """Rendered faces in a grid, with one row per mode and one column per step along it.
 
     Parameters
     ----------
@@ -219,7 +219,12 @@ def mode_pictures(
     Returns
     -------
     bytes
-        a PNG; a :class:`DataError` is raised where the array is not of that shape
+        a PNG
+
+    Raises
+    ------
+    DataError
+        The array has another shape or type.
     """
     pictures = np.asarray(pictures)
     if pictures.ndim != 5 or pictures.shape[-1] != 3 or pictures.dtype != np.uint8 or not pictures.size:

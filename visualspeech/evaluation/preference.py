@@ -1,4 +1,4 @@
-"""A preference test of two models (Fan et al. 2015, section 5.4 and Fig. 4): what is shown, the key, the count."""
+"""Preference test of two models (Fan et al. 2015, section 5.4 and Fig. 4): pairs, key, and count of the answers."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -30,23 +30,26 @@ class Pair:
 
 
 def draw_pairs(ids: Sequence[str], models: Sequence[str], count: int, seed: int) -> tuple[Pair, ...]:
-    """Sentences chosen at random, in random order, each model on the left in half of them (one more or less if odd).
+    """Randomly chosen sentences in random order; each model is on the left in half of the pairs (rounded).
 
     Parameters
     ----------
     ids : test utterances
     models : the two models
-    count : number of pairs; all sentences where there are fewer
+    count : number of pairs, at most one per test utterance
 
     Raises
     ------
     SettingError
-        The models are not two, or there is no pair to show.
+        There are not two different models, or there is no pair to show.
     """
     if len(set(models)) != 2 or len(models) != 2:
         raise SettingError(f"`preference.models: {list(models)}` must be two different models, for example FBB-128.")
     if count < 1 or not len(ids):
-        raise SettingError(f"`preference.count: {count}` of {len(ids)} test utterances: there is no pair to show.")
+        raise SettingError(
+            f"`preference.count: {count}` of {len(ids)} test utterances leaves no pair to show; give at least 1 and a "
+            "corpus with test utterances."
+        )
     generator = np.random.default_rng(seed)
     chosen = generator.permutation(sorted(ids))[:count]
     swapped = generator.permutation((np.arange(len(chosen)) + generator.integers(2)) % 2)
@@ -80,9 +83,9 @@ class Preference:
     Parameters
     ----------
     counts : answers for each of the two models and for ``neutral``
-    listeners, pairs : how many took part, how many pairs they saw
-    p : of the sign test of the two models over listeners and pairs, neutral answers left out, two-sided; answers of
-        one listener are taken as independent, as such tests do
+    listeners, pairs : numbers of listeners and of pairs with an answer
+    p : of the two-sided sign test of the two models over listeners and pairs, without neutral answers; the answers of
+        one listener are treated as independent, as is usual for such tests
     blank : rows of the answer sheets without an answer
     """
 
@@ -109,7 +112,7 @@ def tally(answers, key, path: str = "the answer sheet") -> Preference:
     Raises
     ------
     DataError
-        There is no answer, or one is none of A, neutral and B, or is to a pair that the key lacks.
+        There is no answer, an answer is not A, neutral or B, or its pair is not in the key.
     """
     from scipy.stats import binomtest
 

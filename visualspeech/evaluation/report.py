@@ -1,4 +1,4 @@
-"""One self-contained HTML page about a run: it opens in a browser offline and asks nothing of any other machine."""
+"""The report of a run: one self-contained HTML page that makes no network requests."""
 
 import base64
 from collections.abc import Mapping
@@ -11,10 +11,10 @@ from visualspeech.evaluation.timings import StageTiming
 
 TEMPLATES = Path(__file__).parent / "templates"
 
-#: Findings shown one by one; a corpus of thousands of odd recordings must not make a page that no browser opens.
-MOST_FINDINGS = 500
+#: Maximum number of findings shown, so that the page of a corpus with thousands of findings still opens in a browser.
+MAX_FINDINGS = 500
 
-#: What the results of a run rest on besides the user's recordings: (what, where from, terms).
+#: What the results of a run depend on besides the user's recordings: (what, source, terms).
 LICENCES = (
     (
         "68-point landmark model",
@@ -46,7 +46,7 @@ class Picture:
     Parameters
     ----------
     png : bytes of a PNG (from :mod:`visualspeech.evaluation.plots`)
-    caption : what it shows, for those who cannot see it too
+    caption : what the picture shows, also used as its alternative text
     """
 
     png: bytes
@@ -72,7 +72,7 @@ class Video:
 
 @dataclass(frozen=True)
 class SystemSection:
-    """What the report shows of one system; an empty field leaves its part out.
+    """The section of one system; empty fields are left out.
 
     Parameters
     ----------
@@ -96,22 +96,22 @@ class SystemSection:
 
 @dataclass(frozen=True)
 class ReportContent:
-    """Everything that the report of a corpus shows; an empty field leaves its section out or says that it is empty.
+    """The content of the report of a corpus; sections of empty fields are left out or say that they are empty.
 
     Parameters
     ----------
     corpus : name
     split_hash : from :func:`visualspeech.provenance.split_hash`
-    systems : a section each
-    tables : tables across systems as HTML
-    consent : whose face the corpus holds and by what permission, as its file says; empty makes the report warn
+    systems : one section per system
+    tables : comparisons across systems as HTML
+    consent : whose face the corpus shows and by what permission, from its settings; if empty, the report warns
     utterances : name of a split -> number of accepted utterances
     findings : rejections and warnings of all stages
     timings : cost of the stages
     settings : all settings of the run (plain data)
     versions : name of a program or library -> version
-    commit, date, command : of the run that made the report; empty where they are not known
-    licences : (what, where from, terms)
+    commit, date, command : of the run that made the report; empty if not known
+    licences : (what, source, terms)
     """
 
     corpus: str
@@ -133,9 +133,9 @@ class ReportContent:
 def render_report(content: ReportContent) -> str:
     """The report as the text of an HTML page.
 
-    Pictures are part of the page; the videos alone are links to files beside it. All text is escaped (transcripts,
-    file names and settings may come from strangers), and the page forbids itself scripts and any outside address.
-    The same content gives the same text.
+    Pictures are embedded in the page; videos are links to files beside it. All text is escaped, because transcripts,
+    file names and settings may come from untrusted sources, and a content-security policy forbids scripts and outside
+    addresses. The same content gives the same text.
     """
     from jinja2 import Environment, FileSystemLoader, StrictUndefined
     from markupsafe import Markup
@@ -158,7 +158,7 @@ def render_report(content: ReportContent) -> str:
         rejected=rejected,
         rejected_utterances=len({one.id for one in rejected}),
         warnings=warnings,
-        most=MOST_FINDINGS,
+        most=MAX_FINDINGS,
         settings=_settings_text(content.settings),
         total=sum(timing.seconds for timing in content.timings),
         splits=[name for name in ("train", "validation", "test") if name in content.utterances],
@@ -175,12 +175,12 @@ def _data_address(png: bytes) -> str:
 
 
 def _link(path: str) -> str:
-    """A relative path as an address: a colon would make a scheme of what stands before it, two slashes a host."""
+    """A relative path as a URL, escaped so that no part of it is read as a scheme or a host."""
     return quote(path.lstrip("/"))
 
 
 def _figure(value: float, digits: int = 0) -> str:
-    """A number with thin groups of three, or a dash where there is none."""
+    """A number with thin spaces between groups of three digits; a dash for NaN."""
     return "–" if value != value else f"{value:,.{digits}f}".replace(",", "\u202f")
 
 
@@ -195,7 +195,7 @@ def _settings_text(settings: Mapping) -> str:
 
 
 def _plain(value):
-    """Mappings and sequences of other kinds as those that YAML can write; anything else as its text."""
+    """Data of types that YAML can write: mappings, lists and scalars; values of other types as text."""
     if isinstance(value, Mapping):
         return {str(key): _plain(item) for key, item in value.items()}
     if isinstance(value, list | tuple | set | frozenset):

@@ -1,4 +1,4 @@
-"""Predicted and recorded lower faces side by side, as the measures need them."""
+"""Predicted and recorded lower faces in the form that the measures compare."""
 
 from collections.abc import Mapping
 
@@ -10,7 +10,7 @@ from visualspeech.face.point_sets import PointSet, to_points
 
 
 def predicted_sequence(appearance: np.ndarray, aam: Aam) -> FaceSequence:
-    """What an AAM makes of predicted appearance parameters (T, N) (Fan 2015, Eq. 6 and 7)."""
+    """The lower face decoded from predicted appearance parameters (T, N) (Fan 2015, Eq. 6 and 7)."""
     return FaceSequence(
         appearance=appearance,
         shape=aam.shape_parameters(appearance),

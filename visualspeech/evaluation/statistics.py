@@ -1,7 +1,7 @@
-"""How sure a corpus figure is: percentile bootstrap over utterances (Efron 1979), and quotients of paired rows.
+"""Confidence intervals of corpus figures: percentile bootstrap over utterances (Efron 1979), and paired quotients.
 
-Utterances, not frames, are drawn: frames of one utterance depend on each other. All rows of a table share the same
-draws, so that a quotient of two rows is drawn as a pair.
+Utterances are drawn, not frames, because the frames of one utterance depend on each other. All rows of a table share
+the same draws, so that a quotient of two rows is a paired statistic.
 """
 
 from collections.abc import Sequence
@@ -26,7 +26,7 @@ class BootstrapSettings(Settings):
 
     @property
     def text(self) -> str:
-        """How the intervals were drawn, for people."""
+        """Description of the intervals, for the header of a table."""
         return f"{self.level * 100:g} % percentile bootstrap over utterances, {self.samples} samples, seed {self.seed}"
 
 
@@ -53,20 +53,20 @@ def draws(utterances: int, settings: BootstrapSettings) -> np.ndarray:
     if utterances < 1:
         raise DataError("there is no test utterance to evaluate.")
     generator = np.random.default_rng(settings.seed)
-    kind = np.int32 if utterances < 2**31 else np.int64
-    return generator.integers(utterances, size=(settings.samples, utterances), dtype=kind)
+    dtype = np.int32 if utterances < 2**31 else np.int64
+    return generator.integers(utterances, size=(settings.samples, utterances), dtype=dtype)
 
 
 @dataclass(frozen=True)
 class Sampled:
-    """A corpus figure, and what it is in each bootstrap sample, shape (samples,)."""
+    """A corpus figure and its values in the bootstrap samples, shape (samples,)."""
 
     value: float
     samples: np.ndarray
 
 
 def sample(table, metric: Metric, drawn: np.ndarray) -> Sampled:
-    """A measure over all utterances, and over those of each bootstrap sample.
+    """A measure over all utterances and over those of each bootstrap sample.
 
     Parameters
     ----------
@@ -74,8 +74,7 @@ def sample(table, metric: Metric, drawn: np.ndarray) -> Sampled:
     drawn : from :func:`draws`
     """
     statistics = statistics_of(table, metric)
-    # In blocks, so that memory does not grow with samples times utterances; plain sums, so that the bits do not
-    # depend on a linear-algebra library's threads.
+    # Blocks limit the memory; plain sums, unlike matrix products, do not depend on the threads of a library.
     rows = max(1, 2_000_000 // drawn.shape[1])
     blocks = (drawn[start : start + rows] for start in range(0, len(drawn), rows))
     sums = (np.stack([column[block].sum(axis=1) for column in statistics.T], axis=-1) for block in blocks)
@@ -92,10 +91,7 @@ def figure(sampled: Sampled, level: float) -> Figure:
 
 
 def relative_figure(row: Sampled, base: Sampled, level: float) -> Figure:
-    """A row's figure divided by the base row's, both from the same draws.
-
-    Undefined (NaN) where the base row's own interval holds 0: a quotient by what may be nothing says nothing.
-    """
+    """A row's figure divided by that of the base row, both from the same draws; NaN if the base's interval holds 0."""
     below = figure(base, level)
     if not (below.low > 0 or below.high < 0):
         return NO_FIGURE
@@ -106,8 +102,8 @@ def relative_figure(row: Sampled, base: Sampled, level: float) -> Figure:
 def summarise(measured: MeasuredRows, metrics: Sequence[str], settings: BootstrapSettings):
     """The summary of all rows: one line per row and measure.
 
-    Errors are also given as ratios to the training mean's. What a prediction gets right (correlation, variance) is 0
-    for the training mean but for chance, and no ratio to that says anything.
+    Errors are also given as ratios to the training mean, other measures are not: the correlation and variance of the
+    training mean are 0 except for chance.
 
     Parameters
     ----------

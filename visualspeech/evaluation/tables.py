@@ -9,13 +9,13 @@ from visualspeech.evaluation.metrics import METRICS, Metric, metric_named
 from visualspeech.evaluation.statistics import BootstrapSettings, summarise
 from visualspeech.fields import Settings, setting
 
-#: What the summary has of each row and measure; the columns of the TSV file are named after them.
+#: Columns of the summary for each row and measure; the columns of the TSV file are named after them.
 PARTS = ("value", "low", "high", "ratio", "ratio_low", "ratio_high")
 
 
 @dataclass(frozen=True)
 class TableSettings(Settings):
-    """What the result tables show."""
+    """Content of the result tables."""
 
     section = "tables"
     metrics: tuple[str, ...] = setting(
@@ -35,7 +35,7 @@ def result_tables(
     settings: TableSettings | None = None,
     bootstrap: BootstrapSettings | None = None,
 ):
-    """The result table of all rows, as a data frame and for people.
+    """The result table of all rows, as a data frame and as tables for readers.
 
     Parameters
     ----------
@@ -83,7 +83,7 @@ def result_tables(
 
 
 def best_cells(measured: MeasuredRows, metrics: Sequence[Metric], cells: Mapping) -> frozenset[tuple[str, str]]:
-    """The (row, metric) pairs with the best figures as shown; the floor knows the truth and is left out."""
+    """The (row, metric) pairs with the best figures; the floor is left out because it is computed from the truth."""
     rows = [row.name for row in measured.rows if row.role != "floor"]
     return frozenset(
         (row, metric.name)
@@ -120,7 +120,7 @@ def _frame(measured: MeasuredRows, metrics, cells):
 
 
 def _undefined(measured: MeasuredRows, metrics) -> tuple[tuple[str, str], ...]:
-    """How many frames of which row have no correlation, where there are any."""
+    """The number of frames with undefined correlation by row; empty if there are none."""
     if not any(metric.name == "corr" for metric in metrics):
         return ()
     counts = {row.title: int(measured.tables[row.name]["corr_undefined"].sum()) for row in measured.rows}
@@ -129,10 +129,10 @@ def _undefined(measured: MeasuredRows, metrics) -> tuple[tuple[str, str], ...]:
 
 
 def _note(base: str, cells: Mapping) -> tuple[str, ...]:
-    """Why a ratio is missing, where one is."""
+    """Why ratios are missing; empty if none is."""
     if all(cell["ratio"] for cell in cells.values()):
         return ()
     return (
-        f"Ratios are given for errors only. The {base} has no variance over time and correlates only by chance, so a "
-        "ratio to it says nothing; nor is there a ratio where the interval of its error includes 0.",
+        f"Ratios are given for errors only: the {base} has no variance over time and correlates only by chance. No "
+        "ratio is given where the interval of its error includes 0.",
     )

@@ -1,4 +1,4 @@
-"""What the stages of a run cost: seconds, memory, and frames per second."""
+"""Cost of the stages of a run: seconds, memory, and frames per second."""
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
@@ -15,10 +15,10 @@ class StageTiming:
     ----------
     stage : name
     jobs : number of jobs
-    seconds : wall-clock seconds of all jobs together (jobs that ran side by side are added up)
+    seconds : wall-clock seconds, summed over all jobs, also over parallel ones
     longest : seconds of the longest job
-    memory : largest resident set of a job in MB; NaN where a job was too short to be measured
-    frames : frames that the stage went through, 0 where that has no meaning
+    memory : largest resident set of a job in MB; NaN if all jobs were too short to be measured
+    frames : number of frames processed; 0 for stages that do not process frames
     """
 
     stage: str
@@ -30,7 +30,7 @@ class StageTiming:
 
     @property
     def frames_per_second(self) -> float:
-        """Frames per second of one job; NaN where frames have no meaning."""
+        """Frames per second of one job; NaN for stages that do not process frames."""
         return self.frames / self.seconds if self.frames and self.seconds > 0 else float("nan")
 
 
@@ -41,7 +41,7 @@ FOLDER = "benchmarks"
 def stage_of(path: str | Path) -> str:
     """The stage of a benchmark file ``benchmarks/<stage>.tsv`` or ``benchmarks/<stage>/.../<job>.tsv``."""
     parts = Path(path).with_suffix("").parts
-    last = max((place for place, part in enumerate(parts[:-1]) if part == FOLDER), default=len(parts) - 2)
+    last = max((index for index, name in enumerate(parts[:-1]) if name == FOLDER), default=len(parts) - 2)
     return parts[last + 1]
 
 
@@ -50,9 +50,9 @@ def read_timings(paths: Iterable[str | Path], frames: Mapping[str, int] | None =
 
     Parameters
     ----------
-    paths : benchmark files, one per job, with the columns ``s`` (wall-clock seconds) and ``max_rss`` (MB); the last
-        line of a file counts. Files that are missing or half-written are left out
-    frames : stage -> frames it went through
+    paths : benchmark files, one per job, with the columns ``s`` (wall-clock seconds) and ``max_rss`` (MB), of which the
+        last line is read. Missing and incomplete files are left out
+    frames : stage -> number of frames processed
     """
     stages: dict[str, list[Path]] = {}
     for path in map(Path, paths):
@@ -74,7 +74,7 @@ def _stage(name: str, jobs: list[tuple[float, float]], frames: int) -> StageTimi
 
 
 def _job(path: Path) -> tuple[float, float] | None:
-    """Seconds and MB of one job's table; None where it is none (a job that was killed may leave half of one)."""
+    """Seconds and MB of one job; None if its table is missing or incomplete, as a killed job may leave it."""
     try:
         header, *lines = [line.split("\t") for line in path.read_text(encoding="utf-8").splitlines() if line.strip()]
         values = dict(zip(header, lines[-1], strict=True))

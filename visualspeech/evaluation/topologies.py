@@ -1,4 +1,4 @@
-"""Stacks of layers by topology and width, as in Table 1 of Fan et al. (2015), beside published figures."""
+"""Networks by topology and width, as in Table 1 of Fan et al. (2015), with published figures."""
 
 from collections.abc import Sequence
 
@@ -15,10 +15,10 @@ COLUMNS = ("source", "group", "topology", "nodes", "metric", "value", "deviation
            "collapsed", "best")  # fmt: skip
 RUN, PUBLISHED = "run", "published"
 
-#: A network that learned nothing predicts one face whatever is said: its error is the training mean's, its
-#: correlation is chance. Between the paper's collapsed cells (up to .03) and its worst others (.19 and .43) lies .1.
-LEAST_CORRELATION = 0.1
-LEAST_GAIN = 0.02
+#: A collapsed network predicts one constant face: its error is that of the training mean and its correlation chance.
+#: The correlation is at most .03 in the paper's collapsed cells and at least .19 in the others.
+MIN_CORRELATION = 0.1
+MIN_GAIN = 0.02
 
 
 def is_collapsed(correlation: float, ratio: float) -> bool:
@@ -29,15 +29,15 @@ def is_collapsed(correlation: float, ratio: float) -> bool:
     correlation : its CORR (Eq. 19)
     ratio : its RMSE(appearance) over that of the training mean
     """
-    return bool(abs(correlation) < LEAST_CORRELATION and ratio > 1 - LEAST_GAIN)
+    return bool(abs(correlation) < MIN_CORRELATION and ratio > 1 - MIN_GAIN)
 
 
 def topology_frame(measured: MeasuredRows, metrics: Sequence[str], paper: Published | None = None):
     """All figures of the table of topologies as a data frame with :data:`COLUMNS`, one line per cell and measure.
 
     Figures of the run are means over the seeds of a cell with the sample standard deviation (NaN of one seed);
-    ``collapsed`` counts the seeds that collapsed to the mean predictor. Ratios are given of errors and are to the
-    training mean. A paper may print no such row: :func:`stand_in` serves instead. ``best`` marks the best value of each
+    ``collapsed`` counts the seeds that collapsed to the mean predictor. Ratios to the training mean are given for
+    errors. If a paper prints no such row, :func:`inferred_training_mean` is used. ``best`` marks the best value of each
     measure in each group and source.
 
     Parameters
@@ -59,11 +59,11 @@ def topology_frame(measured: MeasuredRows, metrics: Sequence[str], paper: Publis
     lines = []
     for rows in _stacks(measured).values():
         first, collapsed = rows[0], sum(_collapsed(measured, row, base["rmse_appearance"]) for row in rows)
-        place = (RUN, first.group, first.settings["letters"], first.settings["nodes"])
+        cell = (RUN, first.group, first.settings["letters"], first.settings["nodes"])
         for metric in metrics:
             figure = measured.mean_and_deviation(rows, metric)
-            ratio = [part / base[metric] if METRICS[metric].is_error else np.nan for part in figure]
-            lines.append((*place, metric, *figure, *ratio, len(rows), collapsed, False))
+            ratio = [value / base[metric] if METRICS[metric].is_error else np.nan for value in figure]
+            lines.append((*cell, metric, *figure, *ratio, len(rows), collapsed, False))
     if paper is not None:
         lines += _published_lines(paper)
     return _with_best(pandas.DataFrame(lines, columns=list(COLUMNS)))
@@ -78,26 +78,26 @@ def _collapsed(measured: MeasuredRows, row: ModelRow, base: float) -> bool:
     return is_collapsed(corpus_figure(table, "corr"), corpus_figure(table, "rmse_appearance") / base)
 
 
-def stand_in(paper: Published) -> dict[str, float]:
-    """The figures that serve as the training mean's of a paper that prints none, by measure; empty where none can.
+def inferred_training_mean(paper: Published) -> dict[str, float]:
+    """Errors of the training mean by measure, inferred for a paper that does not print them; empty if impossible.
 
     A network that predicts one constant face has a CORR of about 0. The cells of Fan et al. with a CORR below .1 agree
-    in their errors within 1 in 300, as predictors of one and the same constant must; the median of their errors is
-    taken. It is an inference from the paper's table and not a figure of it.
+    in their errors within 1 in 300, as predictors of the same constant must; the median of their errors is taken. It is
+    an inference from the paper's table and not a figure of it.
     """
-    flat = [cell for cell in paper.topologies.values() if abs(cell.get("corr", 1.0)) < LEAST_CORRELATION]
+    flat = [cell for cell in paper.topologies.values() if abs(cell.get("corr", 1.0)) < MIN_CORRELATION]
     errors = [metric for metric in paper.metrics if METRICS[metric].is_error]
     return {metric: float(np.median([cell[metric] for cell in flat])) for metric in errors} if flat else {}
 
 
 def _published_lines(paper: Published) -> list[tuple]:
-    base, lines = stand_in(paper), []
+    base, lines = inferred_training_mean(paper), []
     for (stack, nodes), figures in paper.topologies.items():
         ratio = figures["rmse_appearance"] / base["rmse_appearance"] if "rmse_appearance" in base else 0.0
-        place, collapsed = (PUBLISHED, "", stack, nodes), int(is_collapsed(figures.get("corr", 1.0), ratio))
+        cell, collapsed = (PUBLISHED, "", stack, nodes), int(is_collapsed(figures.get("corr", 1.0), ratio))
         for metric in paper.metrics:
             of_base = figures[metric] / base[metric] if metric in base else np.nan
-            lines.append((*place, metric, figures[metric], np.nan, of_base, np.nan, 1, collapsed, False))
+            lines.append((*cell, metric, figures[metric], np.nan, of_base, np.nan, 1, collapsed, False))
     return lines
 
 
@@ -106,15 +106,15 @@ def _with_best(frame):
     for name in frame["metric"].unique():
         of_metric = frame["metric"] == name
         cost[of_metric] = METRICS[name].cost(frame.loc[of_metric, "value"])
-    least = cost.groupby([frame["source"], frame["group"], frame["metric"]]).transform("min")
-    return frame.assign(best=cost == least)
+    lowest = cost.groupby([frame["source"], frame["group"], frame["metric"]]).transform("min")
+    return frame.assign(best=cost == lowest)
 
 
 def agreement(frame) -> tuple[float, int]:
-    """Spearman's rank correlation of the run's RMSE(appearance) with the published one, and over how many cells.
+    """Spearman's rank correlation of the run's RMSE(appearance) with the published one, and the number of cells.
 
-    Cells of the first group count; those that collapsed in either are left out: their order is chance. NaN of fewer
-    than four cells.
+    Cells of the first group are compared, without those that collapsed in the run or in the paper, whose order is
+    random. The correlation is NaN for fewer than four cells.
     """
     from scipy.stats import spearmanr
 
@@ -138,14 +138,14 @@ def topology_tables(
     digits: int = 3,
     ratio_digits: int = 3,
 ) -> tuple[Table, ...]:
-    """The table in the paper's layout: nodes across, topologies down; figures, then ratios; one for each group.
+    """Tables in the paper's layout, with nodes across and topologies down: figures and ratios for each group.
 
     Parameters
     ----------
-    frame : from :func:`topology_frame`, with the rows it was made of
+    frame, measured : from :func:`topology_frame`, and the rows it was made of
     facts : what the figures of the run were computed on
     paper : source of the published figures, for the notes
-    digits, ratio_digits : after the point
+    digits, ratio_digits : number of decimals
     """
     tables, groups = [], list(dict.fromkeys(frame.loc[frame["source"] == RUN, "group"]))
     mean = f"ratio to the {measured.base.title.lower()}"
@@ -153,10 +153,10 @@ def topology_tables(
     if rank[0] == rank[0]:
         text = f"{rank[0]:.2f} over {rank[1]} cells"
         facts = (*facts, ("rank correlation of RMSE(appearance) with the published one", text))
-    for place, group in enumerate(groups):
+    for number, group in enumerate(groups):
         part = frame[(frame["source"] == RUN) & (frame["group"] == group)]
         title = "Networks by topology and nodes" + (f": {group}" if len(groups) > 1 else "")
-        shown = (*(facts if not place else ()), *_stack_facts(measured, group))
+        shown = (*(facts if number == 0 else ()), *_stack_facts(measured, group))
         tables += _tables(part, title, mean, shown, _notes(part), digits, ratio_digits)
     part = frame[frame["source"] == PUBLISHED]
     if len(part):
@@ -167,7 +167,7 @@ def topology_tables(
 
 
 def _stack_facts(measured: MeasuredRows, group: str) -> tuple[tuple[str, str], ...]:
-    """What the stacks of a group read, and what their width counts."""
+    """Facts about the networks of a group: their input blocks, and what their number of nodes counts."""
     first = next(row for row in measured.rows if row.family == FAMILY and row.group == group)
     counts = first.settings.get("b_nodes", "")
     lines = (
@@ -178,7 +178,7 @@ def _stack_facts(measured: MeasuredRows, group: str) -> tuple[tuple[str, str], .
 
 
 def _tables(part, title: str, ratio: str, facts, notes, digits: int, ratio_digits: int) -> list[Table]:
-    """Figures, and where there are any, ratios."""
+    """The table of figures, and the table of ratios if there are any."""
     metrics = list(dict.fromkeys(part["metric"]))
     errors = [metric for metric in metrics if METRICS[metric].is_error]
     tables = [_table(part, "value", metrics, digits, title, facts, notes)]
@@ -226,19 +226,19 @@ def _notes(part) -> list[str]:
         cells = part.loc[part["collapsed"] > 0, ["topology", "nodes"]].drop_duplicates()
         notes.append(
             f"† {len(cells)} of {len(part[['topology', 'nodes']].drop_duplicates())} cells collapsed to the mean "
-            f"predictor: |CORR| below {LEAST_CORRELATION:g} and RMSE(appearance) less than {LEAST_GAIN:.0%} better "
-            "than the training mean's. Such a network shows one face whatever is said."
+            f"predictor: |CORR| below {MIN_CORRELATION:g} and RMSE(appearance) less than {MIN_GAIN:.0%} better "
+            "than that of the training mean. Such a network predicts one constant face."
         )
     return notes
 
 
 def _paper_notes(paper: Published) -> list[str]:
-    notes, base = [], stand_in(paper)
+    notes, base = [], inferred_training_mean(paper)
     if base:
         figures = ", ".join(f"{METRICS[metric].title} {value:.3f}" for metric, value in base.items())
         notes.append(
             "The paper prints no row of the training mean. Its cells with a CORR of about 0 agree in their errors, as "
-            f"predictors of one constant face do; their median ({figures}) stands for that row in the ratios. This is "
+            f"predictors of one constant face do; their median ({figures}) is used as that row in the ratios. It is "
             "inferred from the table and is not a figure of the paper."
         )
     trained = len(paper.stacks) * len(paper.nodes)

@@ -13,7 +13,7 @@ from visualspeech.corpora.findings import Finding
 from visualspeech.evaluation import plots
 from visualspeech.evaluation.forms import to_html
 from visualspeech.evaluation.report import (
-    MOST_FINDINGS,
+    MAX_FINDINGS,
     Picture,
     ReportContent,
     SystemSection,
@@ -164,9 +164,9 @@ def test_empty_content_makes_a_page():
 
 
 def test_thousands_of_findings_are_cut_and_counted():
-    findings = tuple(Finding(f"u{i}", "check", "warn", "f", "clipped") for i in range(MOST_FINDINGS + 7))
+    findings = tuple(Finding(f"u{i}", "check", "warn", "f", "clipped") for i in range(MAX_FINDINGS + 7))
     text = render_report(content(findings=findings))
-    assert text.count('<td class="wrap">clipped</td>') == MOST_FINDINGS
+    assert text.count('<td class="wrap">clipped</td>') == MAX_FINDINGS
     assert "7 more findings" in text
 
 
