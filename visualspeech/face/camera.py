@@ -1,4 +1,4 @@
-"""A pinhole camera that looks at a head: projection, its derivatives, and the pose that explains image points.
+"""A pinhole camera in front of a head: projection, its derivatives, and estimation of the pose from image points.
 
 Coordinates: image x right, y down in pixels from the image's top left corner; camera x right, y down, z away from
 the camera; a head point X (in head coordinates) lies at ``R X + t`` and is seen at ``focal (x, y) / z + centre``.
@@ -85,7 +85,7 @@ def solve_pose(
         residual = points - (focal * seen[..., :2] / seen[..., 2:] + centre)
         limit = _limit(residual, robust)
         factor, error = _huber(residual, weights, limit)
-        # A small turn w on the left moves a point by w x (R X) = -skew(R X) w.
+        # A small rotation w applied after R moves a point by w x (R X) = -skew(R X) w.
         by_point = point_jacobian(seen, focal)
         jacobian = np.concatenate([-by_point @ skew(turned), by_point], axis=-1)
         weighted = jacobian * factor[..., None, None]
@@ -125,7 +125,7 @@ def solve_translation(
     turned = model @ np.swapaxes(rotation_matrices(rotation), -1, -2)
     away = turned[..., 2] + depth[:, None]
     wanted = (points - np.asarray(centre)) * away[..., None] / focal - turned[..., :2]
-    # The error is in image pixels: far points count less.
+    # The error is measured in image pixels, so distant points get less weight.
     share = weights / away**2
     beside = (wanted * share[..., None]).sum(1) / share.sum(1, keepdims=True)
     return np.column_stack([beside, depth])
@@ -135,12 +135,12 @@ def _limit(residual: np.ndarray, robust: float) -> np.ndarray:
     """Error in pixels (T, 1) beyond which a point is an outlier of its frame."""
     if robust <= 0:
         return np.full((len(residual), 1), np.inf)
-    # At least half a pixel: with less, rounding would decide which points are outliers.
+    # Below half a pixel, rounding of the landmarks would decide which points are outliers.
     return np.maximum(robust * np.median(np.linalg.norm(residual, axis=-1), axis=1), 0.5)[:, None]
 
 
 def _huber(residual: np.ndarray, weights: np.ndarray, limit: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Weights (T, n) of a re-weighted least-squares step, and the cost (T,) that the step must not raise."""
+    """Weights (T, n) of a re-weighted least-squares step, and the cost (T,) that the step must not increase."""
     size = np.linalg.norm(residual, axis=-1)
     factor = np.minimum(1, limit / np.maximum(size, 1e-12))
     with np.errstate(invalid="ignore"):

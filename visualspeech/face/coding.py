@@ -1,7 +1,7 @@
-"""Visual codings: what recorded faces are turned into for the models, and how predictions become faces again.
+"""Visual codings: the representation of faces that models predict.
 
-A coding turns the faces of an utterance into vectors (T, N) per frame, and such vectors back into points of the
-normalised face and, where it models one, into a texture. Measures that need points only hold for every coding.
+A coding encodes the faces of an utterance as vectors (T, N), and decodes such vectors to points of the normalised face
+and, if it models texture, to textures. Measures that need only points can be computed for every coding.
 """
 
 from collections.abc import Mapping
@@ -21,9 +21,9 @@ class CodedFaces(NamedTuple):
 
     Parameters
     ----------
-    parameters : (T, N) float32, what models predict
-    offset : what separates the recorded faces from the decoded ones (position and light of the recording): a constant
-        vector added to shapes and textures
+    parameters : (T, N) float32, the target of the models
+    offset : constant vectors that are added to decoded shapes and textures to restore the position and light of the
+        recording
     details : further arrays of T rows that measures and figures need, by name
     """
 
@@ -54,7 +54,7 @@ class VisualCoding(Protocol):
 
 
 class CodingHeader(NamedTuple):
-    """What the file of a coding says before its arrays are read.
+    """The header of a coding's file, which is read without the arrays.
 
     Parameters
     ----------
@@ -83,7 +83,7 @@ def read_coding_header(path: str | Path) -> CodingHeader:
 
 
 def load_coding(path: str | Path) -> VisualCoding:
-    """The visual coding in a file, of whatever kind.
+    """The visual coding in a file, of any kind.
 
     Raises
     ------

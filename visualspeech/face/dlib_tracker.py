@@ -1,8 +1,8 @@
 """The default tracker: dlib's 68-point regression trees on a crop that follows the face.
 
-Three things make it steadier and faster than detecting and predicting frame by frame:
+Three measures make it more stable and faster than detection and prediction in every frame:
 
-- the box is a fixed function of the last frame's rigid points, low-passed, so that the points do not depend on the
+- the box is a low-pass-filtered function of the previous frame's rigid points, so that the points do not depend on the
   coarse steps of the detector's image pyramid, neither from frame to frame nor from recording to recording;
 - the crop is cut at sub-pixel position, brought upright and to a fixed size (dlib's points are whole pixels);
 - the detector runs at intervals on the whole frame; in between only on a small crop, and only when the content of the
@@ -27,7 +27,7 @@ FOLLOW = 0.5
 # The detector's window is 80 pixels; a face is easiest to confirm slightly above that.
 CONFIRM_PIXELS = 92
 CONFIRM_SIDES = 1.7
-# The face is known again by this many pixels a side.
+# Side length, in pixels, of the thumbnails by which the face is recognised.
 THUMBNAIL_PIXELS = 32
 
 
@@ -73,7 +73,7 @@ class DlibTracker:
                 return None
             if found is not None and self._moved(found):
                 self._box = found
-                # The detector's own box only starts the points; they then say where their box is.
+                # The detector's box only initialises the points; the box is then computed from them.
                 self._box = box_of(self._predict(*self._face(grey)))
             self._confirmed = None
             crop = self._face(grey)
@@ -132,14 +132,14 @@ class DlibTracker:
         return len(self._detector.run(crop, 0, -0.2)[0]) > 0
 
     def _search(self, grey: np.ndarray) -> np.ndarray | None:
-        """The box of the face in the whole frame: the one followed so far, else the largest that is surely a face."""
+        """The box of the face in the whole frame: the face followed so far, else the largest confident detection."""
         scale = min(1.0, self._settings.detector_pixels / max(grey.shape))
         image = grey
         if scale < 1.0:
             image = self._cv.resize(grey, None, fx=scale, fy=scale, interpolation=self._cv.INTER_AREA)
         rectangles, scores, _ = self._detector.run(image, 0, 0.0)
-        # The detector's faces are at least 80 pixels wide; as long as none is known, half as wide ones are searched for
-        # at intervals, which takes four times as long.
+        # The detector finds faces at least 80 pixels wide. As long as no face is known, it also searches, at intervals,
+        # for faces half as wide, which takes four times as long.
         if not rectangles and self._box is None and self._due():
             rectangles, scores, _ = self._detector.run(image, 1, 0.0)
         if not rectangles:
@@ -156,7 +156,7 @@ class DlibTracker:
         return boxes[np.where(sure, boxes[:, 2], 0).argmax()]
 
     def _moved(self, found: np.ndarray) -> bool:
-        """Whether the face is elsewhere than the box (else the box, which is finer, stays)."""
+        """Whether the detected face is not in the current box, which is otherwise kept because it is more precise."""
         if self._box is None:
             return True
         far = np.linalg.norm(found[:2] - self._box[:2]) > 0.25 * self._box[2]

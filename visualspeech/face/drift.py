@@ -1,26 +1,26 @@
-"""Slow drift between recordings (light, seat, camera), removed from shapes and textures and restored for rendering.
+"""Slow drift between recordings (light, seat, camera): removal from shapes and textures, and restoration for rendering.
 
-A speaker moves and the light changes between one utterance and the next. That is a large part of the variance of raw
-faces, it is unrelated to what is said, and no model of speech can predict it. Each utterance therefore gets a reference
-face of its own, and is shifted as a whole so that its reference coincides with the corpus's reference::
+The speaker's position and the light change between utterances. These changes make up a large part of the variance of
+raw faces, but they are unrelated to what is said and cannot be predicted from speech. Each utterance therefore has a
+reference face and is shifted so that this reference coincides with that of the corpus::
 
     normalised = observed - reference of the utterance + reference of the corpus
 
-The shift is one constant vector per utterance: movement in time, which is speech, stays as it was, and
-:func:`restore` undoes it exactly, so that a rendered mouth has the light of the recording it is put into.
+The shift is one constant vector per utterance, so movement over time is unchanged. :func:`restore` undoes it exactly,
+so a rendered mouth has the light of its recording.
 
 Methods (``DriftSettings.method``):
 
 ``clip_mean`` (the default)
-    the reference is the mean over all frames of the utterance. The most stable; what the mean owes to the words is
-    removed with the drift, which is little in a whole sentence and much in a single word.
+    the reference is the mean over all frames of the utterance. This is the most stable method. It also removes the mean
+    mouth of the words, which matters for single words more than for whole sentences.
 ``silence``
-    the reference is the mean over the utterance's silent frames (pauses of the alignment). Removes nothing of the
-    speech, but needs pauses in every utterance, and the mouth at rest differs from pause to pause.
+    the reference is the mean over the utterance's silent frames (pauses of the alignment). This removes nothing of the
+    speech, but needs pauses in every utterance, and the mouth at rest differs between pauses.
 ``none``
     nothing is removed.
 
-The variance that each leaves on real recordings is in ``docs/aam.md``.
+The variance that remains on real recordings is in ``docs/aam.md``.
 """
 
 from collections.abc import Iterable
@@ -125,7 +125,7 @@ def reference_of(
     ----------
     shape : (T, 2N) shape vectors in pixels of the normalised face
     texture : (T, 3U) textures in grey levels, any number type
-    silent : (T,) bool, the frames in which nobody speaks; only ``silence`` needs it
+    silent : (T,) bool, frames without speech; needed by the method ``silence`` only
     rate : frame rate in Hz
 
     Raises
@@ -186,5 +186,5 @@ def remove(
 def restore(
     shape: np.ndarray, texture: np.ndarray, utterance: FaceReference, corpus: FaceReference
 ) -> tuple[np.ndarray, np.ndarray]:
-    """The inverse of :func:`remove`: faces with the seat and light of the utterance, float32 and not clipped."""
+    """The inverse of :func:`remove`: faces with the position and light of the utterance, float32 and not clipped."""
     return remove(shape, texture, corpus, utterance)

@@ -1,8 +1,8 @@
-"""The speaker's head in three dimensions, fitted to the speaker's own landmarks.
+"""The speaker's head in three dimensions, fitted to the speaker's landmarks.
 
-A mean face alone explains a speaker's landmarks to a few pixels. Here each of the 68 landmarks gets the position in
-head coordinates that explains where it was seen over many frames, with the mean face as prior: bundle adjustment that
-alternates between the poses (from the rigid landmarks) and the positions (from the poses).
+A mean face explains a speaker's landmarks only to a few pixels. Here the positions of the 68 landmarks in head
+coordinates are fitted to many frames with the mean face as prior, by bundle adjustment that alternates between the
+poses (from the rigid landmarks) and the positions (from the poses).
 """
 
 from collections.abc import Sequence
@@ -23,9 +23,9 @@ from visualspeech.storage import read_model_of, write_model
 class PoseSettings(Settings):
     """3-D head model and smoothing of the head pose.
 
-    Recordings do not tell the focal length: 3 is assumed, a field of view of 19 degrees, head and shoulders from some
-    two metres. The fitted depths take up nearly all of a wrong value (1, 2, 4 on GRID: rigid points move by 0.42, 0.40,
-    0.40 px).
+    The focal length of recordings is not known. The default of 3 is a field of view of 19 degrees: head and shoulders
+    from about two metres. The fitted depths compensate for nearly all of a wrong value (with 1, 2 and 4 on GRID, rigid
+    points move by 0.42, 0.40 and 0.40 px).
     """
 
     section = "pose"
@@ -80,7 +80,7 @@ class PoseSettings(Settings):
 
 @dataclass(frozen=True)
 class HeadModel:
-    """A speaker's head and the camera that looks at it.
+    """A speaker's head and the camera of the recordings.
 
     Parameters
     ----------
@@ -144,7 +144,7 @@ def fit_head(points: np.ndarray, image_size: tuple[int, int], settings: PoseSett
 
     Parameters
     ----------
-    points : (n, 68, 2) landmarks in image pixels of n frames, best spread over all training utterances
+    points : (n, 68, 2) landmarks in image pixels of n frames, ideally spread over all training utterances
     image_size : (width, height) of the frames in pixels
 
     Raises
@@ -160,7 +160,7 @@ def fit_head(points: np.ndarray, image_size: tuple[int, int], settings: PoseSett
         points = points[np.linspace(0, len(points) - 1, settings.max_frames).round().astype(int)]
     centre = np.array([image_size[0] / 2, image_size[1] / 2])
     focal = settings.focal_length * max(image_size)
-    # Head units are pixels of the recording at the mean distance, which makes that distance the focal length.
+    # The unit of head coordinates is a pixel of the recording at the mean distance, which then is the focal length.
     prior = MEAN_FACE * _seen_size(points)
     width = np.ptp(prior[:, 0])
     deviation = width * np.array([settings.in_plane_deviation, settings.in_plane_deviation, settings.depth_deviation])
@@ -170,7 +170,7 @@ def fit_head(points: np.ndarray, image_size: tuple[int, int], settings: PoseSett
     for _ in range(settings.iterations):
         weights = (noise[RIGID].mean() / noise[RIGID]) ** 2
         pose = solve_pose(points[:, RIGID], model[RIGID], focal, centre, weights, start=pose)
-        # The scale of head and distance together is free: the mean distance is the focal length.
+        # The common scale of head and distance is arbitrary; it is set so that the mean distance is the focal length.
         stretch = focal / pose[1][:, 2].mean()
         model, pose = model * stretch, (pose[0], pose[1] * stretch)
         model, residual = _fit_points(points, model, prior, pose, focal, centre, noise, deviation)
@@ -202,10 +202,7 @@ def _seen_size(points: np.ndarray) -> float:
 
 
 def _fit_points(points, model, prior, pose, focal, centre, noise, deviation):
-    """One Gauss-Newton step for every point separately, towards the frames and the prior.
-
-    Returns the points (68, 3) and the errors (n, 68) in pixels before the step.
-    """
+    """Points (68, 3) after one Gauss-Newton step per point, and the errors (n, 68) in pixels before the step."""
     matrix = rotation_matrices(pose[0])
     seen = model @ np.swapaxes(matrix, -1, -2) + pose[1][:, None]
     residual = points - (focal * seen[..., :2] / seen[..., 2:] + centre)
@@ -218,7 +215,10 @@ def _fit_points(points, model, prior, pose, focal, centre, noise, deviation):
 
 
 def _upright(model, prior, pose):
-    """Turn and move head coordinates so that the rigid points lie as the mean face's do; the images stay the same."""
+    """Model and pose in head coordinates in which the rigid points are aligned with those of the mean face.
+
+    The projections do not change.
+    """
     to = model[RIGID].mean(0)
     goal = prior[RIGID].mean(0)
     left, _, right = np.linalg.svd((model[RIGID] - to).T @ (prior[RIGID] - goal))

@@ -5,8 +5,8 @@ The tracker is replaceable: whatever satisfies :class:`visualspeech.face.tracker
 CVPR 2014), fed with a crop that follows the face.
 
 Licence of the default tracker's model: the 68-point model file of ``face-recognition-models`` was trained on the iBUG
-300-W pictures, whose licence excludes commercial use. Ask Imperial College London before you use it in a product, or
-register a tracker of your own.
+300-W images, whose licence excludes commercial use. Ask Imperial College London before you use it in a product, or
+register another tracker.
 """
 
 from collections.abc import Iterable
@@ -62,7 +62,7 @@ def track(frames: Iterable[np.ndarray], settings: LandmarkSettings | None = None
         size = frame.shape[:2]
         found.append(tracker.next(frame))
     if size is None:
-        raise RejectedUtterance("no video frames", "Copy or record the file again; the video stream is empty.")
+        raise RejectedUtterance("no video frames", "The video stream is empty: copy or record the file again.")
     detected = np.array([points is not None for points in found])
     check_coverage(detected, rate, settings)
     points = fill_gaps(np.stack([np.full((POINTS, 2), np.nan) if p is None else p for p in found]), detected)
@@ -88,7 +88,7 @@ def check_coverage(detected: np.ndarray, rate: float, settings: LandmarkSettings
     RejectedUtterance
         No face at all, too large a share of frames, or too long a run of frames without one.
     """
-    remedy = "Light and frame the face so that both eyes, nose and mouth are seen throughout; or leave this file out."
+    remedy = "Light and frame the face so that eyes, nose and mouth are visible throughout, or leave this file out."
     missing = int((~detected).sum())
     if missing == len(detected):
         raise RejectedUtterance("no face in any frame", remedy)
@@ -96,7 +96,7 @@ def check_coverage(detected: np.ndarray, rate: float, settings: LandmarkSettings
         raise RejectedUtterance(f"no face in {missing} of {len(detected)} frames", remedy)
     longest = longest_run(~detected)
     if longest > settings.max_missing_seconds * rate:
-        raise RejectedUtterance(f"no face for {longest / rate:.2f} s on end", remedy)
+        raise RejectedUtterance(f"no face for {longest / rate:.2f} s without interruption", remedy)
 
 
 def longest_run(flags: np.ndarray) -> int:

@@ -47,8 +47,8 @@ class Pose:
 def estimate(points: np.ndarray, head: HeadModel, settings: PoseSettings | None = None, *, rate: float) -> Pose:
     """The head's pose in every frame of one utterance.
 
-    Rotation and distance come from all rigid points and are smoothed most, for their noise is largest and heads turn
-    slowly; with these given, the translation across the image is estimated again and smoothed less.
+    Rotation and distance are estimated from all rigid points and smoothed most, because their noise is largest and
+    heads turn slowly. Given these, the translation across the image is estimated again and smoothed less.
 
     Parameters
     ----------
@@ -63,7 +63,7 @@ def estimate(points: np.ndarray, head: HeadModel, settings: PoseSettings | None 
     model = head.points3d[head.rigid]
     rotation, translation = solve_pose(seen, model, head.focal, head.centre, head.weights)
     rotation = smooth(rotation, settings.rotation_smoothing * rate)
-    # Distance is smoothed as its logarithm, which is scale: halves and doubles are alike.
+    # The logarithm of the distance is smoothed, because distance is a scale.
     origin = model.mean(0)
     turned = (rotation_matrices(rotation) @ origin)[:, 2]
     depth = np.exp(smooth(np.log(translation[:, 2] + turned), settings.rotation_smoothing * rate)) - turned
@@ -107,7 +107,7 @@ def to_image(points: np.ndarray, pose: Pose, head: HeadModel, model: np.ndarray 
 
 
 def rigid_error(frontal: np.ndarray, head: HeadModel) -> float:
-    """How far the rigid points still move in the normalised face: RMS distance in pixels to their means in time.
+    """Residual movement of the rigid points in the normalised face: RMS distance in pixels to their means over time.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""The tracked frames that a speaker's head is fitted to; utterances of another frame size."""
+"""Sampling of the tracked frames to which a speaker's head is fitted, and screening of frame sizes."""
 
 from collections import Counter
 from collections.abc import Sequence
@@ -10,7 +10,7 @@ from visualspeech.face.head import HeadModel, PoseSettings, fit_head
 
 
 def frame_size(landmarks, ids: Sequence[str]) -> tuple[int, int]:
-    """The (width, height) in pixels that most of the utterances have.
+    """The most common frame size of the utterances, (width, height) in pixels.
 
     Raises
     ------
@@ -24,7 +24,7 @@ def frame_size(landmarks, ids: Sequence[str]) -> tuple[int, int]:
 
 
 def screen_frame_sizes(landmarks, ids: Sequence[str]) -> dict[str, RejectedUtterance]:
-    """Utterances of a speaker whose frames are not of the usual size: one camera is assumed per speaker.
+    """Rejections of a speaker's utterances of another than the most common frame size, as one camera is assumed.
 
     Raises
     ------
@@ -69,13 +69,13 @@ def fit_speaker_head(speaker: str, landmarks, ids: Sequence[str], settings: Pose
 
 
 def sample_landmarks(landmarks, ids: Sequence[str], frames: int) -> tuple[np.ndarray, tuple[int, int]]:
-    """Landmarks of frames spread evenly over the utterances of the usual frame size, and that size.
+    """Landmarks of frames spread evenly over the utterances of the most common frame size, and that size.
 
     Parameters
     ----------
     landmarks : opened landmark files
     ids : the training utterances
-    frames : most frames in total; memory does not grow with the corpus
+    frames : maximum number of frames, which bounds the memory
 
     Returns
     -------
@@ -88,7 +88,7 @@ def sample_landmarks(landmarks, ids: Sequence[str], frames: int) -> tuple[np.nda
     """
     size = frame_size(landmarks, ids)
     fitting = [one for one in sorted(ids) if _size(landmarks, one) == size]
-    # With more utterances than frames, some of them, evenly; else equally many frames of each.
+    # If there are more utterances than frames, some utterances are used, else equally many frames of each.
     chosen = [fitting[number] for number in np.unique(np.linspace(0, len(fitting) - 1, frames).round().astype(int))]
     each = max(1, frames // len(chosen))
     return np.concatenate([_spread(landmarks, one, each) for one in chosen])[:frames], size

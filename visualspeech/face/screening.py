@@ -1,9 +1,9 @@
 """Screening: recordings whose video is broken, although it can be decoded.
 
-One broken utterance in the validation set is enough to disturb early stopping, so utterances are judged before anything
-learns from them: by their frames (grey, frozen or jumping ones, as damaged streams give), by their landmarks (jumps)
-and by their pose (rigid points that do not stay rigid). The limits were set on GRID, where the broken utterances stand
-well apart; the figures are printed by ``benchmarks/landmarks_grid.py``.
+A single broken utterance in the validation set disturbs early stopping, so utterances are screened before training: by
+their frames (grey, frozen or jumping ones, as in damaged streams), by their landmarks (jumps) and by their pose (rigid
+points that move). The limits were set on GRID, where broken utterances are clearly separated from the others;
+``benchmarks/landmarks_grid.py`` prints the figures.
 """
 
 from collections.abc import Iterable, Iterator, Mapping
@@ -96,7 +96,7 @@ class FrameMeasures:
 
 
 class FrameWatch:
-    """Measures frames while they pass: ``watch = FrameWatch(); track(watch.through(frames)); watch.measures()``."""
+    """Measures frames of a stream: ``watch = FrameWatch(); track(watch.through(frames)); watch.measures()``."""
 
     def __init__(self) -> None:
         self._deviation, self._change, self._last = [], [], None
@@ -106,7 +106,7 @@ class FrameWatch:
         import cv2
 
         for frame in frames:
-            # Shrunk first: the mean of the colours does for grey here and costs next to nothing.
+            # Grey levels as the mean of the colours are accurate enough here, and cheap in the reduced frame.
             small = cv2.resize(frame, SMALL, interpolation=cv2.INTER_AREA).mean(axis=2, dtype=np.float32)
             self._deviation.append(float(small.std()))
             self._change.append(0.0 if self._last is None else float(np.abs(small - self._last).mean()))
@@ -129,8 +129,7 @@ def track_screened(
     Raises
     ------
     RejectedUtterance
-        No usable face, or a broken recording; what is wrong with the frames is named rather than that they show no
-        face.
+        The recording is broken or has no usable face; if both are true, the message is about the recording.
     """
     settings = settings or ScreeningSettings()
     watch = FrameWatch()
@@ -145,7 +144,7 @@ def track_screened(
 
 
 def _in_runs(frames: Iterable[np.ndarray], size: int = 25) -> Iterator[np.ndarray]:
-    """The frames, read some at a time: decoder and tracker in turn would each time empty the other's caches."""
+    """The frames, decoded in runs, because decoder and tracker in alternation evict each other's cached data."""
     frames = iter(frames)
     while run := list(islice(frames, size)):
         yield from run
@@ -196,12 +195,12 @@ def check_points(points: np.ndarray, settings: ScreeningSettings | None = None) 
 def screen_rigid_errors(
     errors: Mapping[str, float], settings: ScreeningSettings | None = None, min_utterances: int = 10
 ) -> dict[str, RejectedUtterance]:
-    """Utterances of a speaker whose rigid points move far more than is usual for this speaker.
+    """Rejections of a speaker's utterances whose rigid points move far more than is usual for this speaker.
 
     Parameters
     ----------
     errors : utterance id -> RMS movement of the rigid points after normalisation, in pixels
-    min_utterances : with fewer the median says little, and none is rejected
+    min_utterances : with fewer utterances the median is unreliable, and none is rejected
     """
     settings = settings or ScreeningSettings()
     if len(errors) < min_utterances:
@@ -225,9 +224,9 @@ def landmark_steps(points: np.ndarray) -> np.ndarray:
 
 
 def isolated(values: np.ndarray, reach: int = 4) -> np.ndarray:
-    """Each value of (T,) as a multiple of the median of those up to ``reach`` frames around it.
+    """Each value of (T,) as a multiple of the median of the values up to ``reach`` frames around it.
 
-    A head that moves fast changes many frames; a broken one changes one.
+    Fast head movement changes many frames, a damaged frame only one.
     """
     if len(values) < 3:
         return np.zeros(len(values))
@@ -235,6 +234,6 @@ def isolated(values: np.ndarray, reach: int = 4) -> np.ndarray:
     windows = np.lib.stride_tricks.sliding_window_view(padded, 2 * reach + 1).copy()
     windows[:, reach] = np.nan
     usual = np.nanmedian(windows, axis=1)
-    # Where almost nothing moves any change would be a large multiple.
+    # Without a floor, any change would be a large multiple where almost nothing moves.
     floor = max(0.5 * float(np.median(values[1:])), 1e-9)
     return values / np.maximum(usual, floor)

@@ -1,4 +1,4 @@
-"""Which utterances stand out among those of their speaker: one head and one frame size are assumed per speaker."""
+"""Rejection of utterances that differ from the others of their speaker in frame size or head."""
 
 from collections.abc import Mapping
 
@@ -16,17 +16,20 @@ def screen_speakers(
     speakers: Mapping[str, str],
     settings: ScreeningSettings | None = None,
 ) -> dict[str, RejectedUtterance]:
-    """Utterances that stand out among those of their speaker: by frame size, or by rigid points that move.
+    """Rejections of utterances that differ from the others of their speaker, by utterance id.
+
+    One head and one frame size are assumed per speaker, so utterances are rejected that have another frame size or
+    whose rigid points move after pose normalisation.
 
     Parameters
     ----------
     landmarks, pose : opened files of all utterances
-    heads : of each speaker
+    heads : speaker -> head model
     speakers : utterance id -> speaker
     """
-    refused: dict[str, RejectedUtterance] = {}
+    rejected: dict[str, RejectedUtterance] = {}
     for speaker in sorted({speakers[one] for one in pose.ids}):
         ids = [one for one in pose.ids if speakers[one] == speaker]
         errors = {one: rigid_error(pose.array(one, "points"), heads[speaker]) for one in ids}
-        refused |= screen_rigid_errors(errors, settings) | screen_frame_sizes(landmarks, ids)
-    return refused
+        rejected |= screen_rigid_errors(errors, settings) | screen_frame_sizes(landmarks, ids)
+    return rejected

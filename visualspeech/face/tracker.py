@@ -19,7 +19,7 @@ def _dlib(settings: "LandmarkSettings", rate: float) -> "Tracker":
     return DlibTracker(settings, rate)
 
 
-#: A tracker by its name in the settings; one is made for each recording, from the settings and the frame rate in Hz.
+#: Name in the settings -> function that makes a tracker of one recording from the settings and the frame rate in Hz.
 TRACKERS: dict[str, Callable[["LandmarkSettings", float], "Tracker"]] = {"dlib": _dlib}
 
 
@@ -75,7 +75,7 @@ class Tracker(Protocol):
     """Follows one face through the frames of one recording; one tracker is made per recording."""
 
     def next(self, frame: np.ndarray) -> np.ndarray | None:
-        """The points (68, 2) in pixels of the next frame, (height, width, 3) uint8 RGB; None where there is no face."""
+        """Points (68, 2) in pixels of the next frame, (height, width, 3) uint8 RGB; None if no face is found."""
 
     def faces(self) -> int:
-        """The largest number of faces that a frame has held so far."""
+        """The largest number of faces detected in one frame so far."""
