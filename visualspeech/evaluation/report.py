@@ -19,8 +19,8 @@ LICENCES = (
     (
         "68-point landmark model",
         "face-recognition-models",
-        "The file is given away freely (CC0), but the pictures it was trained on (iBUG 300-W) are for non-commercial "
-        "use. Replace the tracker for any other use.",
+        "The file is free to use (CC0), but the images it was trained on (iBUG 300-W) are for non-commercial use only. "
+        "Replace the tracker for any other use.",
     ),
     ("Face detector and landmark code", "dlib", "Boost Software License 1.0."),
     ("English acoustic model and dictionary", "PocketSphinx (Carnegie Mellon University)", "BSD licences."),

@@ -22,7 +22,7 @@ BOX_SIDE = 5.0
 BOX_BELOW = 0.70
 # The crop shows this many box sides: the regression looks at pixels outside the box (chin, ears).
 CROP_SIDES = 1.3
-# Share of the way the box moves towards the face in each frame.
+# Share of the distance that the box moves towards the face in each frame.
 FOLLOW = 0.5
 # The detector's window is 80 pixels; a face is easiest to confirm slightly above that.
 CONFIRM_PIXELS = 92
@@ -87,7 +87,7 @@ class DlibTracker:
         return points
 
     def _due(self) -> bool:
-        """Whether the face is to be detected on the whole of this frame."""
+        """Whether the detector runs on this whole frame."""
         return (self._frame - 1) % self._search_every == 0
 
     def _face(self, grey: np.ndarray, box: np.ndarray | None = None) -> tuple[np.ndarray, np.ndarray]:

@@ -151,12 +151,12 @@ def _in_runs(frames: Iterable[np.ndarray], size: int = 25) -> Iterator[np.ndarra
 
 
 def check_frames(measures: FrameMeasures, rate: float, settings: ScreeningSettings | None = None) -> None:
-    """Judge the frames of one recording at ``rate`` Hz.
+    """Check the frames of one recording at ``rate`` Hz.
 
     Raises
     ------
     RejectedUtterance
-        Frames that show nothing, frozen frames, or a jump from one frame to the next.
+        Too many frames are blank or frozen, or the video jumps between two frames.
     """
     settings = settings or ScreeningSettings()
     flat = int((measures.deviation < settings.min_contrast).sum())
@@ -169,19 +169,19 @@ def check_frames(measures: FrameMeasures, rate: float, settings: ScreeningSettin
     jumps = np.flatnonzero((ratio > settings.max_frame_change_ratio) & (measures.change > settings.max_frame_change))
     if len(jumps):
         raise RejectedUtterance(
-            f"the video jumps at {jumps[0] / rate:.2f} s ({ratio[jumps[0]]:.0f} times the change of the frames "
-            "around: damaged frames, or a cut)",
+            f"the video jumps at {jumps[0] / rate:.2f} s ({ratio[jumps[0]]:.0f} times the usual change between "
+            "frames: damaged frames, or a cut)",
             REMEDY,
         )
 
 
 def check_points(points: np.ndarray, settings: ScreeningSettings | None = None) -> None:
-    """Judge the landmarks of one recording, (T, 68, 2) image pixels.
+    """Check the landmarks of one recording, (T, 68, 2) image pixels.
 
     Raises
     ------
     RejectedUtterance
-        The face jumps from one frame to the next.
+        The landmarks jump between two frames.
     """
     settings = settings or ScreeningSettings()
     step = landmark_steps(points)

@@ -25,7 +25,7 @@ class Segment:
     ----------
     label : word, phone, or number of the state
     start, end : seconds
-    parent : index of the segment of the tier above that it belongs to; -1: none
+    parent : index of the segment of the tier above that it belongs to; -1 for none
     """
 
     label: str
@@ -172,5 +172,5 @@ def _refuse(path, table, bad: np.ndarray, reason: str) -> None:
 
 def _unreadable(path, reason: str) -> StorageError:
     return StorageError(
-        f"cannot read the alignments in {path}: {reason}. Delete the file and run again to make it anew."
+        f"cannot read the alignments in {path}: {reason}. Delete the file and run again to recreate it."
     )

@@ -20,10 +20,10 @@ from visualspeech.errors import DataError, SettingError
 from visualspeech.jobs import log
 
 LIMIT = 400
-"""Most components that an energy target may take where no other number is given."""
+"""Maximum number of components for an energy target without a limit of its own."""
 
-_SPARE = 10  # more components than asked while iterating: the last ones asked for converge slowest
-_SAMPLE = 1500  # rows whose exact components the iteration starts from
+_SPARE = 10  # additional components during the iteration, because the last ones converge slowest
+_SAMPLE = 1500  # rows whose exact components are the start of the iteration
 
 
 class Rows(Protocol):
@@ -101,7 +101,7 @@ def em_pca(
     generator = np.random.default_rng(seed)
     basis, held = _sample_components(rows, mean, generator)
     limit = min(possible, components or at_most or LIMIT)
-    # The sample's own components hold more of the sample than of the data: the guess is low, and grows where needed.
+    # Components of the sample explain more of the sample than of all data, so this guess is low; it grows if necessary.
     wanted = limit if energy is None else min(int(1.2 * (np.searchsorted(held, energy) + 1)), limit)
     while True:
         width = min(wanted + _SPARE, possible)
@@ -171,7 +171,7 @@ def _sample_components(rows: Rows, mean: np.ndarray, generator) -> tuple[np.ndar
     return basis, np.cumsum(values[real]) / values.sum()
 
 
-def _iterate(rows: Rows, mean: np.ndarray, start: np.ndarray, iterations: int, least_gain: float) -> np.ndarray:
+def _iterate(rows: Rows, mean: np.ndarray, start: np.ndarray, iterations: int, min_gain: float) -> np.ndarray:
     basis = np.linalg.qr(start)[0]
     before = 0.0
     for _ in range(iterations):
@@ -182,9 +182,9 @@ def _iterate(rows: Rows, mean: np.ndarray, start: np.ndarray, iterations: int, l
             products += centred.T @ coordinates
             scatter += coordinates.T @ coordinates
         held = float(np.trace(scatter)) / rows.shape[0]
-        # M step. Its factor scatter^-1 does not change the space spanned; after orthonormalising it is needless.
+        # M step. The factor scatter^-1 does not change the spanned space, so it is omitted before orthonormalisation.
         basis = np.linalg.qr(products)[0]
-        if held - before < least_gain:
+        if held - before < min_gain:
             break
         before = held
     return basis
@@ -200,7 +200,7 @@ def _rotate(rows: Rows, mean: np.ndarray, basis: np.ndarray) -> tuple[np.ndarray
 
 
 def _signed(components: np.ndarray) -> np.ndarray:
-    """Components whose largest value is positive: the sign of a component is free, so it is fixed."""
+    """Components with signs such that the largest value of each is positive; the sign of a component is arbitrary."""
     largest = components[np.arange(len(components)), np.abs(components).argmax(axis=1)]
     return components * np.where(largest < 0, -1, 1).astype(components.dtype)[:, None]
 

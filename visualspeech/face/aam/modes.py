@@ -1,4 +1,4 @@
-"""The modes of an AAM as images: how one component changes the face."""
+"""Images of the modes of an AAM, which show how one component changes the face."""
 
 import numpy as np
 

@@ -1,4 +1,4 @@
-"""The reference face: mean shape, mesh, texture grid; textures in and out by piecewise-affine warps (Fan 2015, 3.2).
+"""The reference face: mean shape, mesh and texture grid; reading and painting of textures by piecewise-affine warps.
 
 The texture of a face is sampled at the pixels inside the mean shape (Eq. 4): each pixel has fixed barycentric
 coordinates in one triangle of the mesh, and so a position in every other face with the same points. It is sampled from
@@ -30,7 +30,7 @@ class ReferenceSettings(Settings):
     """
 
     section = "texture"
-    # OpenCV reads no more than 32766 places at a time.
+    # OpenCV's remap reads at most 32766 positions at a time.
     texture_pixels: int = setting(
         6000,
         "Approximate number of pixels of a texture (U of Eq. 4), to which the grid is scaled.",
@@ -124,7 +124,7 @@ def fit_reference(
         total += chunk.sum(axis=0, dtype=np.float64)
         count += len(chunk)
     if not count:
-        raise DataError("no shapes to take a mean of: every training utterance was rejected or empty")
+        raise DataError("no shapes to average: every training utterance was rejected or is empty")
     mean = total / count
     opened = points.open_mouth(mean, settings.mouth_opening)
     areas = points.areas(opened)
@@ -176,7 +176,7 @@ def sample_texture(frame: np.ndarray, image_points: np.ndarray, reference: Refer
     import cv2
 
     positions = (reference.weights @ np.asarray(image_points, np.float64)).astype(np.float32)
-    # Positions in one row: OpenCV gives the same numbers as for one column, and faster.
+    # Positions in one row rather than one column: the numbers are the same, and OpenCV is faster.
     x, y = np.ascontiguousarray(positions.T)[:, None]
     colours = cv2.remap(frame, x, y, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
     return np.ascontiguousarray(colours[0].T).reshape(-1)
@@ -218,7 +218,7 @@ def sample_faces(
     frames : T frames of the recording in order, (height, width, 3) uint8 RGB
     landmarks : (T, 68, 2) in these frames, pixels
     frontal : (T, 68, 2) the same landmarks in the normalised face, pixels
-    silent : (T,) bool, the frames in which nobody speaks; only the drift method ``silence`` needs it
+    silent : (T,) bool, frames without speech; needed by the drift method ``silence`` only
     rate : frame rate in Hz
 
     Raises

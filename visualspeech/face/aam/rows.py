@@ -1,4 +1,4 @@
-"""Many rows on disk, read a chunk at a time: training textures do not fit into memory and need not."""
+"""Rows on disk, read one chunk at a time, because training textures do not fit into memory."""
 
 from collections.abc import Iterator, Mapping
 from pathlib import Path
@@ -9,7 +9,7 @@ from visualspeech.errors import DataError, StorageError
 
 
 class RowFile:
-    """Rows (n, d) of float32 in a file of their own; memory holds one chunk of them.
+    """Rows (n, d) of float32 in a file, of which one chunk at a time is in memory.
 
     ``append`` while writing, then :meth:`chunks` as often as needed. Plain reads are used and not a memory map, so
     that pages of the file do not count as memory of the process. The file is scratch: the caller removes its folder
@@ -46,7 +46,7 @@ class RowFile:
 
 
 class ArrayRows:
-    """An array (n, d) in memory seen as a source of rows."""
+    """An array (n, d) in memory with the interface of :class:`RowFile`."""
 
     def __init__(self, array: np.ndarray) -> None:
         self.array, self.shape = array, array.shape

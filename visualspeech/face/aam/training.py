@@ -26,7 +26,7 @@ def fit_aam(
     """Train an :class:`~visualspeech.face.aam.model.Aam` on frames drawn from training utterances, drift removed.
 
     Memory does not grow with the number of utterances: the textures drawn are kept in a scratch file (4 bytes per
-    value, 1.4 GB for 20,000 x 18,000), which is removed in the end.
+    value, 1.4 GB for 20,000 x 18,000), which is removed at the end.
 
     Parameters
     ----------

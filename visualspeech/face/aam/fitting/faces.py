@@ -1,4 +1,4 @@
-"""Fitting of an utterance: where its face is in every frame, and the shapes and textures sampled there."""
+"""Fitting of an utterance: the shape of the face in every frame, and the textures sampled there."""
 
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
@@ -18,7 +18,7 @@ from visualspeech.face.pose import Pose, to_frontal, to_image
 
 @dataclass(frozen=True)
 class FittedFaces:
-    """The fitted faces of T frames; where a fit diverged, those at the tracker's points.
+    """The fitted faces of T frames; if a fit diverged, those at the tracker's points.
 
     Parameters
     ----------
@@ -78,8 +78,8 @@ def fit_faces(
 ) -> FittedFaces:
     """Fit a model of the face to the frames of an utterance.
 
-    Light and seat of the recording are taken from its reference face, so that the model need not have learnt them.
-    Memory holds a batch of frames at a time.
+    The light and position of the recording are taken from its reference face, so the model need not explain them.
+    One batch of frames at a time is in memory.
 
     Parameters
     ----------
@@ -92,7 +92,7 @@ def fit_faces(
     Raises
     ------
     DataError
-        Not as many frames as landmarks and poses.
+        The numbers of frames, landmarks and poses differ.
     """
     own, corpus = drift
     shift = to_points(np.asarray(own.shape, float) - corpus.shape)

@@ -40,7 +40,7 @@ class Mesh:
 
     @classmethod
     def delaunay(cls, shape: np.ndarray, pixels: int) -> "Mesh":
-        """A mesh of any points: the Delaunay triangulation of a shape (N, 2), with about that many pixels inside."""
+        """The Delaunay triangulation of a shape (N, 2), with about the given number of pixels inside."""
         from scipy.spatial import ConvexHull, Delaunay
 
         scale = np.sqrt(pixels / ConvexHull(shape).volume)
@@ -64,9 +64,9 @@ class Mesh:
         return len(self.cells)
 
     def coarser(self, factor: int):
-        """The mesh with ``factor`` x ``factor`` pixels joined to one, and the averaging: sparse (U', U).
+        """The mesh with ``factor`` x ``factor`` pixels merged into one, and the sparse averaging matrix (U', U).
 
-        A joined pixel lies in the middle of those of its pixels that are inside, and has their mean value.
+        A merged pixel lies at the mean position of those of its pixels that are inside, and has their mean value.
         """
         from scipy.sparse import csr_array
 
@@ -80,7 +80,7 @@ class Mesh:
         return Mesh(self.points, self.triangles, cells, mean @ self.weights, self.spacing * factor), mean
 
     def gradients(self, images: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Derivatives along x and y of images (K, U) in the grid, a grid pixel the unit, (K, U) each.
+        """Derivatives along x and y of images (K, U) in the grid, per grid pixel, (K, U) each.
 
         Central differences; one-sided at the border of the mesh, zero across a single pixel.
         """

@@ -243,7 +243,7 @@ def _level(mesh: Mesh, averaging, mean: np.ndarray, modes: np.ndarray, changes: 
 
 
 def steepest_descent(mesh: Mesh, images: np.ndarray, changes: np.ndarray) -> np.ndarray:
-    """J_ki (K, I, U): how images (K, U) of the grid change when they are looked up at warped pixels.
+    """J_ki (K, I, U): derivatives of images (K, U) of the grid with respect to the warp of their pixels.
 
     Parameters
     ----------

@@ -14,7 +14,7 @@ from visualspeech.errors import DataError
 
 @dataclass(frozen=True)
 class ShapeSpace:
-    """Mean and modes of a shape, free of similarity.
+    """Mean and modes of a shape without similarity transforms.
 
     Parameters
     ----------
@@ -31,7 +31,7 @@ class ShapeSpace:
 
     @classmethod
     def of(cls, mean: np.ndarray, components: np.ndarray, variances: np.ndarray) -> "ShapeSpace":
-        """From a mean (N, 2) and components (n, N, 2) with their variances; what is similarity in them is taken out."""
+        """From a mean (N, 2) and components (n, N, 2) with variances; similarity transforms are removed from them."""
         if components.shape[1:] != mean.shape or len(components) != len(variances):
             raise DataError(
                 f"shape components {components.shape} with {len(variances)} variances and a mean {mean.shape} "
@@ -48,12 +48,12 @@ class ShapeSpace:
 
     @cached_property
     def similarities(self) -> np.ndarray:
-        """(4, N, 2) unit changes of the mean: larger, turned, moved along x, along y; orthonormal."""
+        """Orthonormal changes (4, N, 2) of the mean: scaling, rotation, translation along x and along y."""
         return _similarities(self.mean)
 
     @cached_property
     def changes(self) -> np.ndarray:
-        """(4 + n, N, 2) all unit changes: the basis of an incremental warp's parameters."""
+        """The basis (4 + n, N, 2) of an incremental warp's parameters: similarity and shape components."""
         return np.concatenate([self.similarities, self.modes])
 
     def parameters(self, points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -19,7 +19,7 @@ _STRIP = 16384  # pixels that cv2.remap is given at a time; it takes no more tha
 
 
 class View(Protocol):
-    """The map between the shapes of a model and the images, where it is more than a similarity."""
+    """A map between the shapes of a model and the images that is more general than a similarity."""
 
     def to_model(self, points: np.ndarray, frames: np.ndarray) -> np.ndarray:
         """Image points (t, N, 2) of some frames (t,) in the units of the model's shapes."""
@@ -191,14 +191,14 @@ def _step(left: np.ndarray, level: Level, model: FittingModel, shape: np.ndarray
         hessian = ((along[:, first] * along[:, second]) @ level.hessians).reshape(-1, size, size)
     gradient, hessian = gradient.astype(np.float64), hessian.astype(np.float64)
     if model.settings.prior_weight:
-        # The noise is what the model leaves now: far from the face shapes are held tightly, on it hardly.
+        # The noise is the current residual: far from the face shapes are constrained tightly, on it loosely.
         pull = (
             model.settings.prior_weight * _residual(left, explained)[:, None] ** 2 / np.square(model.shapes.deviations)
         )
         gradient[:, 4:] += pull * shape
         hessian = np.repeat(hessian, len(left) // len(hessian), axis=0)
         hessian[:, range(4, size), range(4, size)] += pull
-    # A hint of a ridge: a direction in which the template has no gradient moves nothing instead of failing.
+    # A small ridge: without it, a direction in which the template has no gradient would make the system singular.
     hessian = hessian + (1e-6 * np.trace(hessian, axis1=1, axis2=2) / size + 1e-12)[:, None, None] * np.eye(size)
     change = np.linalg.solve(np.broadcast_to(hessian, (len(gradient), size, size)), gradient[..., None])[..., 0]
     if variant != "simultaneous":
@@ -234,7 +234,7 @@ def _reduced(frame: np.ndarray, reduction: int) -> np.ndarray:
 
 
 def _image_scale(points: np.ndarray, model: FittingModel) -> float:
-    """Image pixels to one grid pixel, the median over frames."""
+    """Image pixels per grid pixel, the median over frames."""
     spread = points - points.mean(axis=1, keepdims=True)
     size = np.median(np.linalg.norm(spread, axis=(1, 2)))
     return float(size / (np.linalg.norm(model.shapes.mean) * model.scale))
