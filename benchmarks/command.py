@@ -9,7 +9,7 @@ from tests.paths import grid_root
 from visualspeech.errors import CorpusError, VisualSpeechError
 
 
-def start(main: Callable[..., int | None], description: str) -> None:
+def run_main(main: Callable[..., int | None], description: str) -> None:
     """Call ``main`` with the arguments of the command line and exit with the status that it returns (None is 0).
 
     Each argument is converted to the type that ``main`` names for its parameter. ``--help`` prints the description.

@@ -15,7 +15,7 @@ from pathlib import Path
 import cv2
 import numpy as np
 
-from benchmarks.command import start as start_benchmark
+from benchmarks.command import run_main
 from benchmarks.runs import CodingRun, CorpusRun
 from visualspeech.face.aam.fitting import FittingModel, FittingSettings, fit, follow
 from visualspeech.face.aam.fitting.faces import PoseView
@@ -79,4 +79,4 @@ def main(results: Path, coding: str = "aam51", count: int = 10) -> None:
 
 
 if __name__ == "__main__":
-    start_benchmark(main, __doc__)
+    run_main(main, __doc__)

@@ -13,7 +13,7 @@ import time
 from dataclasses import replace
 from pathlib import Path
 
-from benchmarks.command import start
+from benchmarks.command import run_main
 from benchmarks.runs import VARIANTS, CorpusRun, SystemRun, fit_hmm, rmse_and_corr
 from visualspeech.models.hmm.family import HmmModel, track_of
 from visualspeech.models.hmm.mge import generation_error
@@ -72,4 +72,4 @@ def _figures(model: HmmModel, training, validation) -> str:
 
 
 if __name__ == "__main__":
-    start(main, __doc__)
+    run_main(main, __doc__)

@@ -2,7 +2,7 @@
 
 Run: python -m benchmarks.repetitions RESULTS SYSTEM [MODEL ...]
 
-RESULTS is the folder of a corpus (results/grid), SYSTEM a system that was run on it, MODELs some of its rows (all). A
+RESULTS is the folder of a corpus (results/grid), SYSTEM a system that was run on it, MODELs some of its trained models (all). A
 word of a test utterance is compared with every other take of it in the corpus, between the same two neighbours and
 spoken with the same phones, aligned to it phone by phone. If each take has noise of its own, half the mean squared
 difference of two takes is the variance of the noise; where takes differ in how they were said, it is an upper bound.
@@ -18,7 +18,7 @@ from pathlib import Path
 
 import numpy as np
 
-from benchmarks.command import start
+from benchmarks.command import run_main
 from benchmarks.runs import CorpusRun, SystemRun
 from visualspeech.evaluation.metrics import frame_rmse
 from visualspeech.features.resampling import at_times
@@ -47,7 +47,7 @@ def main(results: Path, system: str, *models: str) -> None:
     for utterance in run.corpus.utterances:
         for key, borders in takes_of(aligned[utterance.id]):
             takes[key].append((utterance.id, borders))
-    models = models or tuple(run.predicted_models())
+    models = models or tuple(run.trained_models())
     with ExitStack() as files:
         targets = files.enter_context(run.targets())
         predictions = {name: files.enter_context(run.predictions(name)) for name in models}
@@ -113,4 +113,4 @@ def show_silence(silent: np.ndarray, errors: Mapping[str, np.ndarray]) -> None:
 
 
 if __name__ == "__main__":
-    start(main, __doc__)
+    run_main(main, __doc__)

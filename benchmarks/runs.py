@@ -154,11 +154,14 @@ class SystemRun:
 
     def model(self, name: str) -> Model:
         """A trained model."""
-        return load_model(self.folder / "models" / name / "model.safetensors")
+        return load_model(self._file(name))
 
-    def predicted_models(self) -> list[str]:
-        """Names of the models that predicted something."""
-        return sorted(path.parent.name for path in self.folder.glob("models/*/predictions.h5"))
+    def _file(self, model: str) -> Path:
+        return self.folder / "models" / model / "model.safetensors"
+
+    def trained_models(self) -> list[str]:
+        """Names of the trained models; the reconstruction is none."""
+        return sorted(path.parent.name for path in self.folder.glob("models/*/model.safetensors"))
 
     def last_hmm(self) -> str:
         """Name of the HMMs of the latest variant: MGE-trained ones, where the run has them.
@@ -168,9 +171,8 @@ class SystemRun:
         DataError
             The run has no HMMs.
         """
-        paths = sorted(self.folder.glob("models/*/model.safetensors"))
-        families = {path.parent.name: read_model_settings(path)["family"] for path in paths}
-        variants = {name: self.model(name).hmm.settings.variant for name in families if families[name] == "hmm"}
+        names = [name for name in self.trained_models() if read_model_settings(self._file(name))["family"] == "hmm"]
+        variants = {name: self.model(name).hmm.settings.variant for name in names}
         if not variants:
             raise DataError(f"{self.folder} has no HMMs among its models.")
         return max(variants, key=lambda name: VARIANTS.index(variants[name]))

@@ -17,7 +17,7 @@ from pathlib import Path
 import cv2
 import numpy as np
 
-from benchmarks.command import start
+from benchmarks.command import run_main
 from benchmarks.runs import CodingRun, CorpusRun
 from visualspeech.animation.rendering import place, prepare
 from visualspeech.animation.video import Recording, Speaker, synthetic_frames
@@ -106,4 +106,4 @@ def main(results: Path, coding: str = "aam51", count: int = 8) -> None:
 
 
 if __name__ == "__main__":
-    start(main, __doc__)
+    run_main(main, __doc__)

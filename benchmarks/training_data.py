@@ -14,7 +14,7 @@ from pathlib import Path
 
 import numpy as np
 
-from benchmarks.command import start
+from benchmarks.command import run_main
 from benchmarks.runs import VARIANTS, CorpusRun, SystemRun, fit_hmm, retrained, rmse_and_corr
 from visualspeech.models.hmm.family import HmmModel
 
@@ -58,4 +58,4 @@ def _sets(corpus: CorpusRun, training: list[str]) -> tuple[list[str], list[str],
 
 
 if __name__ == "__main__":
-    start(main, __doc__)
+    run_main(main, __doc__)
