@@ -59,14 +59,13 @@ def main(count: int = 6) -> None:
                 closed.append(truth.parameters[one, 0] <= 0)
         tracked, true, closed = (np.concatenate(parts) for parts in (tracked, true, closed))
         print(
-            f"{len(faces)} frames recorded in {seconds:.1f} s ({1000 * processor / len(faces):.1f} ms of processor time per frame)"
+            f"{len(faces)} frames recorded in {seconds:.1f} s, "
+            f"{1000 * processor / len(faces):.1f} ms of processor time per frame"
         )
         print(f"frames without exactly one face: {sum(count != 1 for count in faces)}")
         print(f"lip opening, tracked against true: r = {np.corrcoef(tracked, true)[0, 1]:.3f}")
-        wide = true > 8
-        print(
-            f"median tracked: closed {np.median(tracked[closed]):.1f} px, wide open {np.median(tracked[wide]):.1f} px"
-        )
+        shut, wide = np.median(tracked[closed]), np.median(tracked[true > 8])
+        print(f"median tracked opening: closed {shut:.1f} px, wide open {wide:.1f} px")
 
 
 if __name__ == "__main__":

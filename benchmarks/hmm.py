@@ -4,8 +4,8 @@ Run: python -m benchmarks.hmm RESULTS SYSTEM MODEL [KEY=VALUE[,KEY=VALUE...] ...
 
 RESULTS is the folder of a corpus (results/grid), SYSTEM a system that was run on it, MODEL one of its HMMs
 (hmm_monophone, hmm_tied or hmm_mge): each set of changes to its settings is trained from the start up to its variant.
-Prints for each set and each variant: RMSE(appearance) and CORR (Eq. 18 and 19), number of Gaussians, generation error on
-training and validation utterances, and seconds.
+Prints for each set and each variant: RMSE(appearance) and CORR (Eq. 18 and 19), number of Gaussians, generation error
+on training and validation utterances, and seconds.
 """
 
 import json

@@ -2,9 +2,9 @@
 
 Run: python -m benchmarks.repetitions RESULTS SYSTEM [MODEL ...]
 
-RESULTS is the folder of a corpus (results/grid), SYSTEM a system that was run on it, MODELs some of its trained models (all). A
-word of a test utterance is compared with every other take of it in the corpus, between the same two neighbours and
-spoken with the same phones, aligned to it phone by phone. If each take has noise of its own, half the mean squared
+RESULTS is the folder of a corpus (results/grid), SYSTEM a system that was run on it, MODELs some of its trained models
+(all). A word of a test utterance is compared with every other take of it in the corpus, between the same two neighbours
+and spoken with the same phones, aligned to it phone by phone. If each take has noise of its own, half the mean squared
 difference of two takes is the variance of the noise; where takes differ in how they were said, it is an upper bound.
 Prints its root and the root mean square errors of the models on the same frames (appearance parameters, not the mean
 over frames of Eq. 18), the share of the models' squared error that is noise, and by how much the error could still

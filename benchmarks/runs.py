@@ -118,7 +118,7 @@ class CodingRun:
         return ArrayCollection(shards(self.folder / "textures"))
 
     def coded_faces(self) -> ArrayCollection:
-        """The faces that the parameters code, opened: fitted ones where the coding fits, else those at the landmarks."""
+        """The faces that the parameters code, opened: fitted ones where there are any, else those at the landmarks."""
         fitted = self.folder / "fitted"
         return ArrayCollection(shards(fitted)) if fitted.is_dir() else self.tracked_faces()
 
