@@ -1,11 +1,11 @@
 """Settings of the training loop that all networks share; without torch, for planning."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from typing import ClassVar
 
 from visualspeech.errors import SettingError
-from visualspeech.fields import Settings, setting
+from visualspeech.fields import MAX_SEED, Settings, setting
 
 #: Objectives of :mod:`visualspeech.models.objectives`, and batchers of :mod:`visualspeech.models.batches`.
 OBJECTIVES = ("sse", "mse", "ccc")
@@ -110,7 +110,7 @@ class TrainingSettings(Settings):
         minimum=0,
         below=1,
     )
-    seed: int = setting(1, "Seed of initial weights, order and dropout.", minimum=0, maximum=2**31 - 1)
+    seed: int = setting(1, "Seed of initial weights, order and dropout.", minimum=0, maximum=MAX_SEED)
 
 
 def training_settings(given: Mapping | None = None, **changes) -> TrainingSettings:
@@ -125,8 +125,8 @@ def training_settings(given: Mapping | None = None, **changes) -> TrainingSettin
     optimiser = changes.get("optimiser", "adam")
     if optimiser not in PRESETS:
         raise SettingError(f"`training.optimiser: {optimiser}` must be one of {', '.join(PRESETS)}.")
-    unknown = sorted(set(changes) - set(TrainingSettings.__dataclass_fields__))
+    known = [one.name for one in fields(TrainingSettings)]
+    unknown = sorted(set(changes) - set(known))
     if unknown:
-        known = ", ".join(TrainingSettings.__dataclass_fields__)
-        raise SettingError(f"unknown setting `training.{unknown[0]}`. Known: {known}.")
+        raise SettingError(f"unknown setting `training.{unknown[0]}`. Known here: {', '.join(known)}.")
     return TrainingSettings(**{**PRESETS[optimiser], **changes})
