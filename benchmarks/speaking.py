@@ -69,7 +69,7 @@ def speed(bundle: SpeakerBundle, performance, path: Path) -> None:
 
 def silent_frames(text: str, bundle: SpeakerBundle) -> np.ndarray:
     """Frames of a performance of a text that lie deep in pauses, (T,) bool."""
-    found, rate = [], bundle.network.rate
+    found, rate = [], bundle.trained.rate
     for one in speak_text(text, shares=bundle.shares):
         frames = max(1, int(np.ceil(len(one.samples) / one.rate * rate - 1e-6)))
         found.append(pause_weights(one.alignment, frames, rate, REST) == 1)
@@ -103,7 +103,7 @@ def once(folder: str, seconds: float) -> None:
     """Speak a text of so many seconds and say what it cost, as one line of JSON."""
     start = time.perf_counter()
     bundle = SpeakerBundle.load(folder)
-    performance = perform(speak_text(text_of(seconds), shares=bundle.shares), bundle.network, bundle.rest)
+    performance = perform(speak_text(text_of(seconds), shares=bundle.shares), bundle.trained, bundle.rest)
     heard = time.perf_counter() - start
     with tempfile.TemporaryDirectory() as scratch:
         speak(Path(scratch, "a.mp4"), performance, bundle, "synthetic")
@@ -118,7 +118,7 @@ def main() -> None:
         return once(folder, float(sys.argv[3]))
     seconds = float(sys.argv[2]) if len(sys.argv) > 2 else 300.0
     bundle = SpeakerBundle.load(folder)
-    performance = perform(speak_text(SENTENCES, shares=bundle.shares), bundle.network, bundle.rest)
+    performance = perform(speak_text(SENTENCES, shares=bundle.shares), bundle.trained, bundle.rest)
     with tempfile.TemporaryDirectory() as scratch:
         path = Path(scratch, "a.mp4")
         speed(enlarged(bundle, 720), performance, Path(scratch, "b.mp4"))
@@ -137,7 +137,7 @@ def main() -> None:
     )
     quiet = silent_frames(SENTENCES, bundle)
     quiet = quiet[
-        np.minimum((frame_times(len(frames), background.rate) * bundle.network.rate).astype(int), len(quiet) - 1)
+        np.minimum((frame_times(len(frames), background.rate) * bundle.trained.rate).astype(int), len(quiet) - 1)
     ]
     tracked = opening(track(iter(frames), rate=background.rate).points)
     aam = bundle.speaker.aam

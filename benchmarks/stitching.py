@@ -20,10 +20,9 @@ from visualspeech.animation.rendering import place, prepare
 from visualspeech.animation.video import Recording, Speaker, synthetic_frames
 from visualspeech.corpora.table import of_split, read_utterances
 from visualspeech.face.aam.reference import sample_texture
-from visualspeech.face.drift import reference_face
 from visualspeech.face.landmarks import track
 from visualspeech.face.point_sets import PointSet, to_points
-from visualspeech.face.pose import Pose, to_frontal
+from visualspeech.face.pose import to_frontal
 from visualspeech.media.reading import read_frames
 from visualspeech.storage import ArrayCollection
 
@@ -87,12 +86,11 @@ def main() -> None:
     utterances = list(islice(of_split(read_utterances(run / "utterances.tsv"), "test"), count))
     results = {"own mouth": [], "other mouth": []}
     for one, other in zip(utterances, utterances[1:] + utterances[:1], strict=True):
-        pose = Pose(*(poses.array(one.id, name).astype(float) for name in ("rotation", "translation")))
-        recording = Recording(landmarks.array(one.id, "points"), pose, reference_face(textures, one.id))
+        recording = Recording.read(landmarks, poses, textures, one.id)
         for name, source in (("own mouth", one.id), ("other mouth", other.id)):
             appearance = parameters.array(source, "appearance")
             if name == "other mouth":
-                appearance = appearance[np.minimum(np.arange(len(pose)), len(appearance) - 1)]
+                appearance = appearance[np.minimum(np.arange(len(recording.pose)), len(appearance) - 1)]
             results[name].append(measure(one, recording, appearance, speaker, landmarks.rate(one.id)))
     for name, rows in results.items():
         values = np.mean(rows, axis=0)

@@ -99,13 +99,12 @@ def write_text(path: str | Path, text: str) -> None:
         temporary.write_text(text, encoding="utf-8")
 
 
-def write_text_if_changed(path: str | Path, text: str) -> bool:
-    """Write UTF-8 text only where it differs from what is there, so that modification times mean something."""
-    path = Path(path)
-    if path.is_file() and path.read_bytes() == text.encode("utf-8"):
-        return False
-    write_text(path, text)
-    return True
+def copy_file(source: str | Path, path: str | Path) -> None:
+    """Copy a file; raises :class:`StorageError` where it is missing, or as :func:`replacing`."""
+    if not Path(source).is_file():
+        raise StorageError(f"cannot read {source}: there is no such file.")
+    with replacing(path) as temporary:
+        shutil.copyfile(source, temporary)
 
 
 def read_text(path: str | Path) -> str:
@@ -146,13 +145,9 @@ def read_table(path: str | Path, text_columns: tuple[str, ...] = ("id",)):
             sep="\t",
             dtype={name: str for name in text_columns},
             keep_default_na=False,
-            na_values={},
-            converters=None,
         ).pipe(_numbers_where_possible, text_columns)
     except (OSError, ValueError) as error:
-        raise StorageError(
-            f"cannot read the table {path}: {error}. Delete it and run again to make it anew."
-        ) from error
+        raise StorageError(f"cannot read the table {path}: {error}. Delete it and run the command again.") from error
 
 
 def _numbers_where_possible(table, text_columns):
@@ -335,6 +330,20 @@ def write_model(path: str | Path, tensors: Mapping[str, np.ndarray], settings: M
         temporary.write_bytes(content)
 
 
+@contextmanager
+def _opened_model(path: str | Path):
+    """An opened model file; errors of reading it become a :class:`StorageError`."""
+    from safetensors import SafetensorError, safe_open
+
+    try:
+        with safe_open(str(path), framework="numpy") as file:
+            yield file
+    except (OSError, SafetensorError, KeyError, ValueError) as error:
+        raise StorageError(
+            f"{path} is not a model of this project ({error!r}). Give the .safetensors file that a run has written."
+        ) from error
+
+
 def read_model(path: str | Path) -> tuple[dict[str, np.ndarray], dict]:
     """Read what :func:`write_model` wrote: (arrays by name, settings).
 
@@ -343,51 +352,21 @@ def read_model(path: str | Path) -> tuple[dict[str, np.ndarray], dict]:
     StorageError
         The file is missing, not safetensors, or carries no settings.
     """
-    from safetensors import SafetensorError, safe_open
-
-    try:
-        with safe_open(str(path), framework="numpy") as file:
-            metadata = file.metadata() or {}
-            tensors = {name: file.get_tensor(name) for name in file.keys()}
-        return tensors, json.loads(metadata["settings"])
-    except (OSError, SafetensorError, KeyError, ValueError) as error:
-        raise _no_model(path, error) from error
-
-
-def _no_model(path: str | Path, error: Exception) -> StorageError:
-    return StorageError(
-        f"{path} is not a model of this project ({error!r}). Give the .safetensors file that a run has written."
-    )
+    with _opened_model(path) as file:
+        tensors = {name: file.get_tensor(name) for name in file.keys()}
+        return tensors, json.loads((file.metadata() or {})["settings"])
 
 
 def read_shapes(path: str | Path) -> dict[str, tuple[int, ...]]:
-    """Shapes of the arrays of a model, by name; reads the header of the file alone.
-
-    Raises
-    ------
-    StorageError
-        The file is missing or not safetensors.
-    """
-    from safetensors import SafetensorError, safe_open
-
-    try:
-        with safe_open(str(path), framework="numpy") as file:
-            return {name: tuple(file.get_slice(name).get_shape()) for name in file.keys()}
-    except (OSError, SafetensorError) as error:
-        raise _no_model(path, error) from error
+    """Shapes of the arrays of a model, by name, from the header of the file; raises as :func:`read_model`."""
+    with _opened_model(path) as file:
+        return {name: tuple(file.get_slice(name).get_shape()) for name in file.keys()}
 
 
 def read_model_settings(path: str | Path) -> dict:
     """The settings that :func:`write_model` wrote, without reading the arrays; raises as :func:`read_model`."""
-    from safetensors import SafetensorError, safe_open
-
-    try:
-        with safe_open(str(path), framework="numpy") as file:
-            return json.loads((file.metadata() or {})["settings"])
-    except (OSError, SafetensorError, KeyError, ValueError) as error:
-        raise StorageError(
-            f"{path} is not a model of this project ({error!r}). Give the .safetensors file that a run has written."
-        ) from error
+    with _opened_model(path) as file:
+        return json.loads((file.metadata() or {})["settings"])
 
 
 def read_model_of(

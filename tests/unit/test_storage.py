@@ -72,12 +72,12 @@ def test_a_folder_is_replaced_as_a_whole(tmp_path):
     assert [one.name for one in (tmp_path / "folder").iterdir()] == ["new"]
 
 
-def test_an_unchanged_text_keeps_its_time(tmp_path):
-    assert storage.write_text_if_changed(tmp_path / "t", "é\n")
-    time = (tmp_path / "t").stat().st_mtime_ns
-    assert not storage.write_text_if_changed(tmp_path / "t", "é\n")
-    assert (tmp_path / "t").stat().st_mtime_ns == time
-    assert storage.write_text_if_changed(tmp_path / "t", "e\n")
+def test_a_file_is_copied(tmp_path):
+    (tmp_path / "a").write_bytes(b"\x00\xff")
+    storage.copy_file(tmp_path / "a", tmp_path / "folder" / "b")
+    assert (tmp_path / "folder" / "b").read_bytes() == b"\x00\xff"
+    with pytest.raises(StorageError, match="cannot read .*nowhere: there is no such file"):
+        storage.copy_file(tmp_path / "nowhere", tmp_path / "b")
 
 
 def test_tables_keep_words_that_look_like_something_else(tmp_path):

@@ -44,6 +44,7 @@ def test_killed_runs_end_in_the_same_tables(tiny_run, tmp_path):
 
 def test_two_runs_at_once_do_not_share_a_folder(tmp_path):
     from visualspeech.corpora.plan import hold
+
     from visualspeech.errors import StorageError
 
     held = hold(tmp_path / "results")

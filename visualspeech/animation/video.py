@@ -20,7 +20,7 @@ from visualspeech.corpora.records import Utterance
 from visualspeech.errors import DataError
 from visualspeech.face.aam.model import Aam
 from visualspeech.face.aam.reference import Reference
-from visualspeech.face.drift import FaceReference
+from visualspeech.face.drift import FaceReference, reference_face
 from visualspeech.face.head import HeadModel
 from visualspeech.face.point_sets import to_vector
 from visualspeech.face.pose import Pose
@@ -74,6 +74,12 @@ class Recording:
     landmarks: np.ndarray
     pose: Pose
     drift: FaceReference
+
+    @classmethod
+    def read(cls, landmarks, pose, textures, utterance_id: str) -> "Recording":
+        """One utterance from opened files of landmarks, pose and textures."""
+        points = landmarks.array(utterance_id, "points")
+        return cls(points, Pose.read(pose, utterance_id), reference_face(textures, utterance_id))
 
 
 def synthetic_frames(

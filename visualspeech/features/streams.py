@@ -53,7 +53,7 @@ class Stream:
 
 
 def check_stream(stream: Stream, layout: Layout, name: str) -> None:
-    """Check that a stream has the columns of a layout, classes in range and finite values, and at least one row.
+    """Check that a stream has the columns of a layout, classes in range, finite values, and at least one row.
 
     Raises
     ------
@@ -65,10 +65,23 @@ def check_stream(stream: Stream, layout: Layout, name: str) -> None:
         stream.values.shape[1] if stream.values is not None else 0,
     )
     wanted = (len(layout.sizes), layout.dimension)
-    if columns != wanted or (stream.starts is not None) != layout.segmental:
+    if (stream.starts is not None) != layout.segmental:
+        found, read = ("frames", "segments") if layout.segmental else ("segments", "frames")
+        raise DataError(
+            f"input block `{name}`: the rows of a stream are {found}, the model reads {read}. Delete its features and "
+            "run again."
+        )
+    if columns != wanted:
         raise DataError(
             f"input block `{name}`: a stream has {columns[0]} categorical and {columns[1]} real-valued columns, the "
             f"model reads {wanted[0]} and {wanted[1]}. Delete its features and run again."
+        )
+    lengths = {key: len(values) for key, values in stream.arrays().items()}
+    if len(set(lengths.values())) > 1:
+        found = ", ".join(f"{key} {length}" for key, length in lengths.items())
+        raise DataError(
+            f"input block `{name}`: the arrays of a stream differ in length ({found}). Delete its features and run "
+            "again."
         )
     if not len(stream):
         raise DataError(f"input block `{name}`: a stream has no frame; the utterance is empty.")

@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 import torch
 
+from visualspeech.errors import SettingError, StorageError
 from visualspeech.features.blocks.base import Block
 from visualspeech.features.streams import Layout, Stream, joined
 from visualspeech.models.batches import Batch, Scaling
@@ -92,13 +93,19 @@ def load_network(
     Raises
     ------
     StorageError
-        As :func:`visualspeech.storage.read_model_of`, or it is of another family.
+        As :func:`visualspeech.storage.read_model_of`, it is of another family, or its weights do not fit its settings.
     """
     arrays, settings = read_model_of(path, f"model of the family {family}", ["model"], ["mean", "scale"], family)
     blocks = unpack(arrays, settings["blocks"])
-    module = build(settings["settings"], [block.layout for block in blocks.values()], len(arrays["mean"]))
     weights = {name: torch.tensor(values) for name, values in part_of(arrays, "weights").items()}
-    module.load_state_dict(weights)
+    try:
+        module = build(settings["settings"], [block.layout for block in blocks.values()], len(arrays["mean"]))
+        module.load_state_dict(weights)
+    except (RuntimeError, TypeError, SettingError) as error:
+        raise StorageError(
+            f"the weights in {path} do not fit its settings; another version of this library wrote it, or it is "
+            "damaged. Train the model again."
+        ) from error
     return Network(
         family=family,
         settings=settings["settings"],

@@ -55,12 +55,15 @@ class Stack(nn.Module):
 
     def forward(self, batch: Batch) -> torch.Tensor:
         """Outputs (B, T, N) of a batch."""
-        packed = pack_padded_sequence(batch.index, batch.lengths, batch_first=True)
         # From here on only real frames exist: (frames of the batch, features), in the packed order.
-        frames = self.encode(packed.data)
+        inputs = []
+        if self.classes:
+            packed = pack_padded_sequence(batch.index, batch.lengths, batch_first=True)
+            inputs.append(self.encode(packed.data))
         if batch.values.shape[2]:
-            values = pack_padded_sequence(batch.values, batch.lengths, batch_first=True).data
-            frames = torch.cat([frames, values], dim=1)
+            packed = pack_padded_sequence(batch.values, batch.lengths, batch_first=True)
+            inputs.append(packed.data)
+        frames = torch.cat(inputs, dim=1) if len(inputs) > 1 else inputs[0]
         for letter, layer in zip(self.letters, self.layers, strict=True):
             if letter == "F":
                 frames = torch.tanh(layer(frames))

@@ -113,6 +113,11 @@ class TrainingSettings(Settings):
     seed: int = setting(1, "Seed of initial weights, order and dropout.", minimum=0, maximum=MAX_SEED)
 
 
+def training_fields() -> list[str]:
+    """Names of all settings of training."""
+    return [one.name for one in fields(TrainingSettings)]
+
+
 def training_settings(given: Mapping | None = None, **changes) -> TrainingSettings:
     """Settings of a preset (``optimiser``: ``adam`` or ``paper``), with changes.
 
@@ -125,8 +130,8 @@ def training_settings(given: Mapping | None = None, **changes) -> TrainingSettin
     optimiser = changes.get("optimiser", "adam")
     if optimiser not in PRESETS:
         raise SettingError(f"`training.optimiser: {optimiser}` must be one of {', '.join(PRESETS)}.")
-    known = [one.name for one in fields(TrainingSettings)]
-    unknown = sorted(set(changes) - set(known))
+    unknown = sorted(set(changes) - set(training_fields()))
     if unknown:
-        raise SettingError(f"unknown setting `training.{unknown[0]}`. Known here: {', '.join(known)}.")
+        known = ", ".join(training_fields())
+        raise SettingError(f"unknown setting `training.{unknown[0]}`. Known here: {known}.")
     return TrainingSettings(**{**PRESETS[optimiser], **changes})

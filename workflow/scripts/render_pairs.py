@@ -7,8 +7,6 @@ from visualspeech.animation.video import Recording, Speaker
 from visualspeech.animation.video_settings import VideoSettings
 from visualspeech.corpora.table import of_split, read_utterances
 from visualspeech.evaluation.preference import answer_sheet, draw_pairs, key_table
-from visualspeech.face.drift import reference_face
-from visualspeech.face.pose import Pose
 from visualspeech.jobs import job, progress
 from visualspeech.storage import ArrayCollection, ArrayReader, replacing, write_table
 
@@ -23,18 +21,15 @@ with (
     ArrayCollection(source.textures) as textures,
 ):
     folder.mkdir()
-    speaker = Speaker.load(source.head, source.aam, source.reference)
+    speaker, settings = Speaker.load(source.head, source.aam, source.reference), VideoSettings(label=params.label)
     predictions = dict(zip(params.models, (first, second), strict=True))
     utterances = {one.id: one for one in of_split(read_utterances(source.utterances), "test")}
     pairs = draw_pairs(list(utterances), params.models, params.pairs, params.seed)
     for pair in progress(pairs, len(pairs), "pairs"):
         name, path = pair.utterance, Path(folder, f"{pair.number:02d}.mp4")
-        turned = Pose(pose.array(name, "rotation"), pose.array(name, "translation"))
-        recording = Recording(landmarks.array(name, "points"), turned, reference_face(textures, name))
-        streams = [
-            (predictions[m].array(name, "appearance"), predictions[m].rate(name)) for m in (pair.left, pair.right)
-        ]
-        write_pair(path, pair.number, utterances[name], recording, streams, speaker, **params.names,
-                   settings=VideoSettings(label=params.label))  # fmt: skip
+        recording = Recording.read(landmarks, pose, textures, name)
+        sides = [predictions[model] for model in (pair.left, pair.right)]
+        streams = [(arrays.array(name, "appearance"), arrays.rate(name)) for arrays in sides]
+        write_pair(path, pair.number, utterances[name], recording, streams, speaker, **params.names, settings=settings)
     write_table(snakemake.output.key, key_table(pairs))
     write_table(snakemake.output.sheet, answer_sheet(pairs))

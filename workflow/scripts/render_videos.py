@@ -5,12 +5,10 @@ from pathlib import Path
 from visualspeech.animation.video import Recording, Speaker, write_talking_head
 from visualspeech.animation.video_settings import VideoSettings
 from visualspeech.corpora.table import of_split, read_utterances
-from visualspeech.face.drift import reference_face
-from visualspeech.face.pose import Pose
 from visualspeech.jobs import job, log, progress
 from visualspeech.storage import ArrayCollection, ArrayReader, replacing
 
-source, shown = snakemake.input, snakemake.params.settings
+source, params = snakemake.input, snakemake.params
 with (
     job(snakemake.log[0]),
     replacing(snakemake.output[0]) as folder,
@@ -21,16 +19,12 @@ with (
     ArrayCollection(source.parameters) as parameters,
 ):
     folder.mkdir()
-    if not snakemake.params.names["consent"]:
+    if not params.names["consent"]:
         log.warning("the corpus does not say whose face it holds and by what permission; add `consent:` to its file")
-    speaker = Speaker.load(source.head, source.aam, source.reference)
-    chosen = of_split(read_utterances(source.utterances), "test")[: shown["count"]]
+    speaker, settings = Speaker.load(source.head, source.aam, source.reference), VideoSettings(label=params.label)
+    chosen = of_split(read_utterances(source.utterances), "test")[: params.clips]
     for one in progress(chosen, len(chosen), "videos"):
-        turned = Pose.read(pose, one.id)
-        recording = Recording(landmarks.array(one.id, "points"), turned, reference_face(textures, one.id))
-        panels = {
-            "AAM reconstruction": (parameters.array(one.id, "appearance"), parameters.rate(one.id)),
-            "prediction": (predictions.array(one.id, "appearance"), predictions.rate(one.id)),
-        }
-        settings, path = VideoSettings(label=shown["label"]), Path(folder, f"{one.id}.mp4")
-        write_talking_head(path, one, recording, panels, speaker, **snakemake.params.names, settings=settings)
+        recording, path = Recording.read(landmarks, pose, textures, one.id), Path(folder, f"{one.id}.mp4")
+        titled = {"AAM reconstruction": parameters, "prediction": predictions}
+        panels = {title: (arrays.array(one.id, "appearance"), arrays.rate(one.id)) for title, arrays in titled.items()}
+        write_talking_head(path, one, recording, panels, speaker, **params.names, settings=settings)

@@ -1,10 +1,11 @@
 """A voice-ready speaker whose face is drawn, for tests of speaking: small models, two short recordings."""
 
+from collections.abc import Mapping
+from dataclasses import asdict
 from pathlib import Path
 
 import numpy as np
 import torch
-from visualspeech.models.blstm import Stack, StackSettings
 
 from tests.unit.animation.faces import POINTS, draw
 from tests.unit.face import heads
@@ -17,8 +18,12 @@ from visualspeech.face.drift import FaceReference
 from visualspeech.face.head import fit_head
 from visualspeech.face.point_sets import to_vector
 from visualspeech.face.pose import estimate, to_frontal
-from visualspeech.models.blstm import Stack, StackSettings
+from visualspeech.features.blocks.base import Block
+from visualspeech.features.blocks.triphone_state import TriphoneState
+from visualspeech.models.batches import Scaling
 from visualspeech.models.network import Network
+from visualspeech.models.stack import FAMILY, Stack
+from visualspeech.models.stack_settings import StackSettings
 from visualspeech.provenance import file_digest
 from visualspeech.speech.phones import PHONES
 
@@ -44,9 +49,8 @@ def make(folder: Path, phones=PHONES, rate: float = 25.0, seed: int = 4) -> Path
     head.save(folder / FILES["head"])
     aam.save(folder / FILES["aam"])
     reference.save(folder / FILES["reference"])
-    network(aam.appearance_components.shape[0], appearance, phones, rate, file_digest(folder / FILES["aam"])).save(
-        folder / FILES["network"]
-    )
+    blocks = {"tri": TriphoneState(tuple(phones))}
+    network(appearance, blocks, rate, file_digest(folder / FILES["aam"])).save(folder / FILES["model"])
     write_background(
         folder / FILES["background"],
         (
@@ -58,14 +62,16 @@ def make(folder: Path, phones=PHONES, rate: float = 25.0, seed: int = 4) -> Path
     return folder
 
 
-def network(outputs: int, appearance: np.ndarray, phones, rate: float, aam: str, parts=()) -> Network:
-    """A network whose answers spread as the appearance (T, outputs) of the recordings does."""
+def network(appearance: np.ndarray, blocks: Mapping[str, Block], rate: float, coding: str) -> Network:
+    """A network whose answers spread as the appearance (T, N) of the recordings does."""
     torch.manual_seed(0)
-    stack = StackSettings("F", 4)
-    weights = {
-        name: values.numpy()
-        for name, values in Stack(stack, len(phones), outputs, parts=part_sizes(parts)).state_dict().items()
-    }
+    settings, outputs = StackSettings("F", 4), appearance.shape[1]
     return Network(
-        stack, tuple(phones), weights, appearance.mean(axis=0), float(appearance.std()), rate, aam, parts=parts
+        family=FAMILY,
+        settings=asdict(settings),
+        module=Stack(settings, [block.layout for block in blocks.values()], outputs).eval(),
+        scaling=Scaling(appearance.mean(axis=0), np.full(outputs, appearance.std())),
+        blocks=blocks,
+        rate=rate,
+        coding=coding,
     )

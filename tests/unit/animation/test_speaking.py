@@ -7,14 +7,17 @@ import pytest
 
 from tests.unit.animation import speakers
 from visualspeech.animation import speaking
-from visualspeech.animation.bundle import FILES, SpeakerBundle, check_together, rest_of, resting_face, resting_frames
+from visualspeech.animation.bundle import FILES, SpeakerBundle, check_together
 from visualspeech.animation.performance import REST, in_phones_of, pause_weights, perform
 from visualspeech.animation.speaking import scene, speak, speaking_frames
 from visualspeech.animation.speaking_settings import SpeakSettings
 from visualspeech.errors import DataError, SettingError, StorageError
+from visualspeech.features.blocks.label_parts import LabelParts
+from visualspeech.features.blocks.triphone_state import TriphoneState
 from visualspeech.features.resampling import resample
 from visualspeech.media.reading import probe, read_audio, read_frames
 from visualspeech.media.spooling import Spool
+from visualspeech.models.inventory import phones_of
 from visualspeech.speech.phones import PHONES
 from visualspeech.speech.spoken import Spoken, speak_text, timed
 from visualspeech.speech.spoken_settings import VoiceSettings
@@ -39,7 +42,7 @@ def copy(folder, tmp_path):
 
 def test_a_speaker_loads_with_all_that_belongs_to_it(bundle):
     assert (bundle.corpus, bundle.model, bundle.consent) == ("drawn", "F-4", speakers.CONSENT)
-    assert bundle.network.phones == PHONES and bundle.shares["aa"] == (0.2, 0.5, 0.3)
+    assert phones_of(bundle.trained) == PHONES and bundle.shares["aa"] == (0.2, 0.5, 0.3)
     assert len(bundle.background) == sum(speakers.LENGTHS) and len(bundle.digest) == 12
 
 
@@ -48,7 +51,7 @@ def test_parts_of_two_speakers_are_not_mixed(copy, tmp_path):
     (copy / FILES["aam"]).write_bytes((other / FILES["aam"]).read_bytes())
     with pytest.raises(DataError, match="aam.safetensors is not the file that this speaker was made of"):
         SpeakerBundle.load(copy)
-    # Somebody who mends the digests as well still does not get a network of another appearance model.
+    # Somebody who mends the digests as well still does not get a model of another appearance model.
     about = json.loads((copy / "speaker.json").read_text())
     about["parts"]["aam"] = json.loads((other / "speaker.json").read_text())["parts"]["aam"]
     (copy / "speaker.json").write_text(json.dumps(about))
@@ -64,7 +67,7 @@ def test_folders_that_are_no_speaker(copy, tmp_path):
         ("{", "damaged"),
         ("{}", "does not describe"),
         (json.dumps([about]), "does not describe"),
-        (json.dumps(about | {"parts": ["network"]}), "does not describe"),
+        (json.dumps(about | {"parts": ["model"]}), "does not describe"),
         (json.dumps(about | {"phones": 40}), "does not describe"),
         (json.dumps(about | {"phones": [1, *about["phones"]]}), "does not describe"),
         (json.dumps(about | {"state_shares": {"aa": [0.5, 0.5]}}), "does not describe"),
@@ -83,13 +86,13 @@ def test_folders_that_are_no_speaker(copy, tmp_path):
 @pytest.mark.parametrize(
     ("part", "given", "said"),
     [
-        ("network", "aam", "network.safetensors holds no network"),
-        ("aam", "network", "aam.safetensors holds no appearance model"),
-        ("reference", "network", "reference.safetensors holds no texture grid"),
+        ("model", "aam", "model.safetensors holds no trained model"),
+        ("aam", "model", "aam.safetensors holds no appearance model"),
+        ("reference", "model", "reference.safetensors holds no texture grid"),
         ("reference", "aam", "reference.safetensors holds no texture grid"),
-        ("head", "network", "head.safetensors holds no head model"),
-        ("rest", "network", "rest.safetensors holds no face at rest"),
-        ("background", "network", "cannot read .*background.h5"),
+        ("head", "model", "head.safetensors holds no head model"),
+        ("rest", "model", "rest.safetensors holds no face at rest"),
+        ("background", "model", "cannot read .*background.h5"),
     ],
 )
 def test_parts_of_another_kind_are_named(copy, part, given, said):
@@ -112,30 +115,11 @@ def test_a_background_of_another_appearance_model_is_refused(copy, tmp_path):
         SpeakerBundle.load(copy)
 
 
-def test_a_network_for_other_phones_is_refused(bundle):
-    with pytest.raises(DataError, match="trained for other phones .*; zh in one of them alone"):
-        check_together(bundle.network, bundle.speaker, bundle.network.aam, PHONES[:-1])
+def test_a_model_for_other_phones_is_refused(bundle):
+    with pytest.raises(DataError, match="trained for other phones .*; zh in only one of them"):
+        check_together(bundle.trained, bundle.speaker, bundle.trained.coding, PHONES[:-1])
     with pytest.raises(DataError, match="in another order"):
-        check_together(bundle.network, bundle.speaker, bundle.network.aam, PHONES[::-1])
-
-
-def test_the_face_at_rest_is_that_of_silence_away_from_speech():
-    spoken = timed([("sil", 0, 0.4), ("aa", 0.4, 0.8), ("sil", 0.8, 1.2)])
-    found = resting_frames(spoken, 30, 25.0, after=0.11, before=0.31)
-    times = (np.arange(30) + 0.5) / 25
-    assert np.array_equal(found, (times < 0.09) | (times > 0.91))
-    assert np.allclose(rest_of([np.ones((3, 2)), np.zeros((1, 2))]), 0.75)
-    with pytest.raises(DataError, match="no silence"):
-        rest_of([np.zeros((0, 2))])
-
-
-def test_recordings_cut_close_to_the_speech_rest_where_they_can():
-    long = timed([("sil", 0, 0.4), ("aa", 0.4, 0.8), ("sil", 0.8, 1.2)])
-    close = timed([("sil", 0, 0.2), ("aa", 0.2, 0.8), ("sil", 0.8, 1.0)])
-    seen, times = np.arange(30.0)[:, None], (np.arange(30) + 0.5) / 25
-    assert np.allclose(resting_face(lambda: iter([(long, seen, 25.0)])), seen[times > 1.05].mean())
-    near = (times < 0.08) | ((times > 0.92) & (times < 1.0))
-    assert np.allclose(resting_face(lambda: iter([(close, seen[:25], 25.0)])), seen[near].mean())
+        check_together(bundle.trained, bundle.speaker, bundle.trained.coding, PHONES[::-1])
 
 
 def test_pauses_are_at_rest_and_speech_is_not():
@@ -149,8 +133,8 @@ def test_pauses_are_at_rest_and_speech_is_not():
 
 
 def test_the_mouth_is_at_rest_in_silence(bundle):
-    """Wherever nobody speaks for long the lips are as far apart as at rest, whatever the network says there."""
-    performance = perform(speak_text("Mama. Papa and more."), bundle.network, bundle.rest)
+    """Wherever nobody speaks for long the lips are as far apart as at rest, whatever the model says there."""
+    performance = perform(speak_text("Mama. Papa and more."), bundle.trained, bundle.rest)
     aam = bundle.speaker.aam
 
     def opening(appearance):
@@ -171,7 +155,7 @@ def test_the_mouth_is_at_rest_in_silence(bundle):
 
 def test_sound_and_picture_are_of_one_length(bundle):
     texts = "One. Two three. Four five six. Seven."
-    performance = perform(speak_text(texts, VoiceSettings(sentence_pause=0.3111)), bundle.network, bundle.rest)
+    performance = perform(speak_text(texts, VoiceSettings(sentence_pause=0.3111)), bundle.trained, bundle.rest)
     assert performance.text == texts
     assert abs(len(performance.samples) / performance.audio_rate - performance.seconds) < 1e-3
     # The sound of each sentence is where its frames are: nothing is lost or moved by more than a frame a text.
@@ -181,10 +165,11 @@ def test_sound_and_picture_are_of_one_length(bundle):
 
 
 def test_a_network_of_richer_labels_speaks_too(bundle):
-    parts = ("position_in_syllable", "position_in_word", "stress")
-    rich = speakers.network(bundle.network.outputs, bundle.rest[None] * [[1.0], [1.1]], PHONES, 25.0, "", parts)
+    parts = LabelParts(("position_in_syllable", "position_in_word", "stress"))
+    blocks = {"tri": TriphoneState(PHONES), "parts": parts}
+    rich = speakers.network(bundle.rest[None] * [[1.0], [1.1]], blocks, 25.0, "")
     performance = perform(speak_text("A happy map."), rich, bundle.rest)
-    assert performance.appearance[:].shape[1] == bundle.network.outputs
+    assert performance.appearance[:].shape[1] == bundle.trained.outputs
 
 
 def test_phones_that_the_model_lacks_are_replaced_or_refused(bundle):
@@ -233,7 +218,7 @@ def test_pictures_do_not_depend_on_how_many_are_placed_at_a_time(bundle, monkeyp
 
 def test_the_video_has_sound_and_says_what_it_is(bundle, tmp_path):
     path = tmp_path / "out.mp4"
-    performance = perform(speak_text("Hello."), bundle.network, bundle.rest)
+    performance = perform(speak_text("Hello."), bundle.trained, bundle.rest)
     speak(path, performance, bundle, "synthetic (test)")
     info = probe(path)
     assert info.rate == 25 and info.audio_rate == performance.audio_rate
@@ -257,7 +242,7 @@ def test_the_label_can_be_left_out(bundle):
 
 def test_what_cannot_be_shown(bundle):
     with pytest.raises(DataError, match="nothing to say"):
-        perform([], bundle.network, bundle.rest)
+        perform([], bundle.trained, bundle.rest)
     one, other = (Spoken("a", np.zeros(rate, np.float32), rate, timed([("sil", 0, 1)])) for rate in (16_000, 22_050))
     with pytest.raises(DataError, match="16000 Hz, another of 22050"):
-        perform([other, one], bundle.network, bundle.rest)
+        perform([other, one], bundle.trained, bundle.rest)

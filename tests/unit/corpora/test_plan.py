@@ -6,8 +6,8 @@ import sys
 import time
 
 import pytest
-
 from visualspeech.corpora.plan import hold, plan_corpus
+
 from visualspeech.corpora.records import shard_of
 from visualspeech.corpora.table import read_split, read_utterances
 from visualspeech.errors import StorageError

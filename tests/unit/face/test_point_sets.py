@@ -184,7 +184,7 @@ def test_a_smaller_set_needs_no_code(tmp_path, monkeypatch):
     model = FittingModel.of_aam(aam, reference, FittingSettings(iterations=3))
     found = fit_faces(frames, made.points, pose, head, model, reference, (faces.reference, aam.drift))
     assert found.points.shape == (20, 34, 2)
-    placement = place(made.points, faces.shape + 4, pose, head, points)
+    placement = place(made.points, faces.shape + 4, pose, head, points, rate=25.0)
     assert placement.target.shape == (20, 34 + 12, 2)
     moved = np.linalg.norm(placement.target - placement.recorded, axis=2)
     np.testing.assert_array_equal(moved[:, 34:], 0)

@@ -1,16 +1,26 @@
 """What the width of a B layer means, in both readings, by its weights and through a saved network."""
 
+from dataclasses import asdict
+
 import numpy as np
 import pytest
 import torch
 
+from tests.unit.models.examples import BLOCKS
 from visualspeech.errors import SettingError
-from visualspeech.models.blstm import Stack, StackSettings, parse_stack
+from visualspeech.features.streams import Layout, Stream
+from visualspeech.models import stack
+from visualspeech.models.batches import Scaling
 from visualspeech.models.network import Network
+from visualspeech.models.stack import Stack
+from visualspeech.models.stack_settings import StackSettings
+
+FIVE_PHONES = [Layout((5, 5, 5, 3))]
 
 
-def parameters(letters, nodes, b_nodes, phones=5, outputs=3):
-    return sum(values.numel() for values in Stack(StackSettings(letters, nodes, b_nodes), phones, outputs).parameters())
+def parameters(letters, nodes, b_nodes, outputs=3):
+    module = Stack(StackSettings(letters, nodes, b_nodes), FIVE_PHONES, outputs)
+    return sum(values.numel() for values in module.parameters())
 
 
 def expected(letters, nodes, b_nodes, phones=5, outputs=3):
@@ -31,24 +41,31 @@ def test_weights_are_counted(letters, b_nodes):
     assert parameters(letters, 8, b_nodes) == expected(letters, 8, b_nodes)
 
 
+def test_real_values_widen_the_first_layer():
+    one, other = (Stack(StackSettings("B", 4), layouts, 3) for layouts in (FIVE_PHONES, [*FIVE_PHONES, Layout((), 7)]))
+    added = sum(p.numel() for p in other.parameters()) - sum(p.numel() for p in one.parameters())
+    assert added == 2 * 4 * 4 * 7
+
+
 def test_a_layer_of_twice_the_width_is_a_direction():
     torch.manual_seed(0)
-    one = Stack(StackSettings("B", 4, "direction"), 5, 3)
+    one = Stack(StackSettings("B", 4, "direction"), FIVE_PHONES, 3)
     torch.manual_seed(0)
-    other = Stack(StackSettings("B", 8, "layer"), 5, 3)
+    other = Stack(StackSettings("B", 8, "layer"), FIVE_PHONES, 3)
     for a, b in zip(one.parameters(), other.parameters(), strict=True):
         torch.testing.assert_close(a, b, rtol=0, atol=0)
 
 
 def test_a_saved_network_keeps_its_reading(tmp_path):
-    stack = parse_stack("FB-6-s2", "layer")
-    weights = {name: values.numpy() for name, values in Stack(stack, 4, 2).state_dict().items()}
-    network = Network(stack, ("sil", "a", "b", "c"), weights, np.zeros(2, np.float32), 1.0, 25.0)
+    settings = StackSettings("FB", 6, "layer")
+    module = Stack(settings, [BLOCKS["tri"].layout], 2)
+    network = Network("stack", asdict(settings), module, Scaling(np.zeros(2), np.ones(2)), BLOCKS, 25.0)
     network.save(tmp_path / "n.safetensors")
-    again = Network.load(tmp_path / "n.safetensors")
-    labels = np.array([[0, 1, 2, 0], [0, 1, 2, 1], [1, 2, 3, 0]], np.int16)
-    np.testing.assert_array_equal(again.predict(labels), network.predict(labels))
-    assert again.stack.direction_nodes == 3
+    again = stack.load(tmp_path / "n.safetensors")
+    streams = [Stream(index=np.array([[0, 1, 2, 0], [0, 1, 2, 1], [1, 2, 3, 0]], np.int16))]
+    np.testing.assert_array_equal(again.predict(streams), network.predict(streams))
+    assert StackSettings(**again.settings).direction_nodes == 3
+    assert again.module.layers[1].hidden_size == 3
 
 
 def test_wrong_widths_are_named():

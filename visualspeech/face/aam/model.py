@@ -33,8 +33,6 @@ from visualspeech.storage import read_model_of, write_model
 KIND = "aam"
 WEIGHTINGS = ("variance", "none")
 _CHUNK = 256  # frames encoded at a time
-
-
 MOST_COMPONENTS = 100_000
 #: One analysis keeps a share of the variance (perhaps capped), or a number of components.
 TARGET = {

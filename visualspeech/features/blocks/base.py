@@ -9,6 +9,7 @@ from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from importlib import import_module
 from pathlib import Path
+from pkgutil import iter_modules
 from typing import ClassVar, Protocol
 
 import numpy as np
@@ -69,7 +70,8 @@ class Block(Protocol):
 
 def block_kinds() -> list[str]:
     """Names of all kinds of input blocks."""
-    return sorted(path.stem for path in Path(__file__).parent.glob("*.py") if path.stem not in ("__init__", "base"))
+    own = __name__.rpartition(".")[2]
+    return sorted(one.name for one in iter_modules(import_module(__package__).__path__) if one.name != own)
 
 
 def block_module(kind: str) -> str:

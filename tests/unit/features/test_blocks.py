@@ -1,0 +1,218 @@
+"""Input blocks: what each kind reads of an alignment, through its file, and a new kind that is only a module."""
+
+import sys
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from tests.unit.speech.alignments import even_alignment
+from visualspeech.errors import DataError, SettingError, StorageError
+from visualspeech.features.blocks import base
+from visualspeech.features.blocks.base import Source, block_class, block_kinds, block_module, load_block, save_block
+from visualspeech.features.contexts import phone_contexts, phone_inventory
+from visualspeech.features.label_parts import PARTS, label_parts
+from visualspeech.features.labels import label_indices, one_hot
+from visualspeech.features.streams import check_stream
+from visualspeech.fields import Settings, with_defaults
+from visualspeech.models.block_states import load_blocks, pack, unpack
+from visualspeech.speech import tts
+from visualspeech.speech.alignment import to_table
+from visualspeech.storage import ArrayReader, ArrayWriter, write_model, write_table
+
+SENTENCES = (
+    [("sil", ["sil"]), ("computer", "k ah m p y uw t er".split()), ("a", ["ah"]), ("sil", ["sil"])],
+    [("sil", ["sil"]), ("map", ["m", "ae", "p"]), ("sil", ["sil"])],
+)
+SOURCES = [Source(frames, 25.0, even_alignment(words)) for frames, words in zip((28, 13), SENTENCES, strict=True)]
+PHONES = phone_inventory(source.alignment for source in SOURCES)
+
+
+def fitted(kind, **settings):
+    cls = block_class(kind)
+    return cls.fit(with_defaults(cls.settings, settings) if cls.settings else {}, PHONES, iter(()))
+
+
+def test_the_kinds_are_the_modules():
+    assert block_kinds() == ["label_parts", "phone_track", "triphone_state"]
+    for kind in block_kinds():
+        cls = block_class(kind)
+        assert cls.kind == kind and cls.__module__ == block_module(kind)
+        assert cls.settings is None or issubclass(cls.settings, Settings)
+    with pytest.raises(StorageError, match="kind 'triphones' is unknown. Known: label_parts, phone_track"):
+        block_class("triphones")
+
+
+@pytest.mark.parametrize("kind", block_kinds())
+def test_streams_fit_the_layout_and_the_file_gives_the_same(tmp_path, kind):
+    block = fitted(kind)
+    save_block(tmp_path / "block.safetensors", block)
+    again = load_block(tmp_path / "block.safetensors")
+    assert again == block and again.layout == block.layout
+    streams = list(block.encode(SOURCES))
+    assert len(streams) == len(SOURCES)
+    for stream, other, source in zip(streams, again.encode(SOURCES), SOURCES, strict=True):
+        check_stream(stream, block.layout, kind)
+        assert block.layout.segmental or len(stream) == source.frames
+        assert stream.arrays().keys() == other.arrays().keys()
+        assert all(np.array_equal(values, other.arrays()[name]) for name, values in stream.arrays().items())
+
+
+def test_triphone_state_is_the_vector_of_the_paper():
+    block = fitted("triphone_state")
+    assert block.layout.sizes == (len(PHONES),) * 3 + (3,) and block.layout.width == 3 * len(PHONES) + 3
+    for stream, source in zip(block.encode(SOURCES), SOURCES, strict=True):
+        labels = label_indices(source.alignment, source.frames, source.rate, PHONES)
+        assert np.array_equal(stream.index, labels)
+        parts = np.split(one_hot(labels, len(PHONES)), np.cumsum(block.layout.sizes)[:-1], axis=1)
+        assert all(np.array_equal(part.argmax(axis=1), stream.index[:, n]) for n, part in enumerate(parts))
+
+
+def test_phone_track_has_the_starts_of_the_phones():
+    for stream, source in zip(fitted("phone_track").encode(SOURCES), SOURCES, strict=True):
+        assert np.array_equal(stream.index, phone_contexts(source.alignment, PHONES))
+        assert stream.starts.tolist() == [phone.start for phone in source.alignment.phones]
+
+
+def test_label_parts_are_those_that_the_settings_name():
+    block = fitted("label_parts", parts=["position_in_word", "stress"])
+    assert block.layout.sizes == tuple(len(PARTS[part]) for part in block.parts)
+    for stream, source in zip(block.encode(SOURCES), SOURCES, strict=True):
+        expected = label_parts(source.alignment, source.frames, source.rate, block.parts)
+        assert np.array_equal(stream.index, expected)
+    assert fitted("label_parts").parts == tuple(PARTS)
+    with pytest.raises(SettingError, match="blocks.parts"):
+        fitted("label_parts", parts=["tone"])
+
+
+def test_the_synthesiser_is_asked_once_and_for_stress_alone(monkeypatch):
+    asked = []
+    monkeypatch.setattr(tts, "stresses", lambda words: asked.append(list(words)) or {})
+    list(fitted("label_parts").encode(SOURCES))
+    list(fitted("label_parts", parts=["position_in_word"]).encode(SOURCES))
+    assert asked == [["a", "computer", "map"]]
+
+
+def test_phones_of_another_corpus_are_named():
+    for kind in ("triphone_state", "phone_track"):
+        block = block_class(kind).fit({}, PHONES[:3], iter(()))
+        with pytest.raises(DataError, match="the inventory of 3 phones does not have"):
+            list(block.encode(SOURCES))
+
+
+@pytest.mark.parametrize("state", [{}, {"phones": 3}, {"sounds": ["a"]}])
+def test_states_that_are_no_states_are_a_sentence(tmp_path, state):
+    path = tmp_path / "block.safetensors"
+    write_model(path, {}, {"kind": "block", "block": "triphone_state", "state": state})
+    with pytest.raises(StorageError, match="no state of an input block of kind triphone_state"):
+        load_block(path)
+    write_model(path, {}, {"kind": "block", "block": "triphone", "state": state})
+    with pytest.raises(StorageError, match="'triphone' is unknown"):
+        load_block(path)
+
+
+def test_what_blocks_are_computed_from(tmp_path):
+    write_table(
+        tmp_path / "alignment.tsv",
+        to_table({name: SOURCES[number].alignment for name, number in (("a", 0), ("b", 1), ("c", 0))}),
+    )
+    with ArrayWriter(tmp_path / "targets.h5") as out:
+        out.add("a", {"appearance": np.zeros((28, 2))}, rate=25.0)
+        out.add("c", {"appearance": np.zeros((56, 2))}, rate=50.0)
+    with ArrayReader(tmp_path / "targets.h5") as targets:
+        # Utterance b is accepted but has no targets; c has some and is not accepted.
+        assert base.read_sources(tmp_path / "alignment.tsv", targets, ["a", "b"]) == {"a": SOURCES[0]}
+        found = base.read_sources(tmp_path / "alignment.tsv", targets, ["c"])["c"]
+    assert (found.frames, found.rate) == (56, 50.0)
+
+
+def test_blocks_inside_a_model():
+    blocks = {"parts": fitted("label_parts", parts=["stress"]), "tri": fitted("triphone_state")}
+    arrays, plain = pack(blocks)
+    assert [(entry["name"], entry["kind"]) for entry in plain] == [("parts", "label_parts"), ("tri", "triphone_state")]
+    again = unpack(arrays, plain)
+    assert again == blocks and list(again) == list(blocks)
+    assert pack({}) == ({}, []) and unpack({}, []) == {}
+    with pytest.raises(StorageError, match="'tri' is unknown"):
+        unpack({}, [{"name": "tri", "kind": "tri", "state": {}}])
+
+
+def test_blocks_by_name_from_their_files(tmp_path):
+    blocks = {"a": fitted("phone_track"), "b": fitted("triphone_state")}
+    for name, block in blocks.items():
+        save_block(tmp_path / name, block)
+    assert load_blocks({name: tmp_path / name for name in blocks}) == blocks
+    write_model(tmp_path / "a", {}, {"kind": "model", "family": "mean"})
+    with pytest.raises(StorageError, match="holds no input block"):
+        load_blocks({"a": tmp_path / "a"})
+
+
+NEW_KIND = '''
+"""Loudness of every frame, made up from its number."""
+from dataclasses import dataclass, field
+from typing import ClassVar
+import numpy as np
+from visualspeech.features.streams import Layout, Stream
+from visualspeech.fields import Settings, setting
+
+@dataclass(frozen=True)
+class LoudnessSettings(Settings):
+    """Settings of the block ``loudness``."""
+    section: ClassVar[str] = "blocks"
+    gain: float = setting(2.0, "Factor.", minimum=0, maximum=9)
+
+@dataclass(frozen=True)
+class Loudness:
+    """One value a frame, less the mean of training."""
+    kind: ClassVar[str] = "loudness"
+    settings: ClassVar[type | None] = LoudnessSettings
+    gain: float
+    mean: np.ndarray = field(compare=False)
+
+    @classmethod
+    def fit(cls, settings, phones, training):
+        return cls(settings["gain"], np.array([float(np.mean([one.frames for one in training]))]))
+
+    @property
+    def layout(self):
+        return Layout(dimension=1)
+
+    def encode(self, sources):
+        for one in sources:
+            yield Stream(values=(self.gain * np.arange(one.frames)[:, None] - self.mean).astype(np.float32))
+
+    def state(self):
+        return {"mean": self.mean}, {"gain": self.gain}
+
+    @classmethod
+    def restore(cls, arrays, plain):
+        return cls(plain["gain"], arrays["mean"])
+
+BLOCK = Loudness
+'''
+
+
+@pytest.fixture
+def loudness(tmp_path, monkeypatch):
+    """A new kind of block: a module beside the others, and nothing else."""
+    (tmp_path / "loudness.py").write_text(NEW_KIND)
+    package = sys.modules["visualspeech.features.blocks"]
+    monkeypatch.setattr(package, "__path__", [*package.__path__, str(tmp_path)])
+    yield
+    sys.modules.pop("visualspeech.features.blocks.loudness", None)
+
+
+def test_a_new_kind_is_a_module_beside_the_others(loudness, tmp_path):
+    assert "loudness" in block_kinds()
+    cls = block_class("loudness")
+    block = cls.fit(with_defaults(cls.settings, {"gain": 3}), PHONES, iter(SOURCES))
+    assert block.mean.tolist() == [20.5]
+    for stream, source in zip(block.encode(SOURCES), SOURCES, strict=True):
+        check_stream(stream, block.layout, "loudness")
+        assert len(stream) == source.frames
+    save_block(tmp_path / "block.safetensors", block)
+    again = load_block(tmp_path / "block.safetensors")
+    assert again == block and np.array_equal(again.mean, block.mean)
+    both = {"tri": fitted("triphone_state"), "loud": replace(block, gain=1.0)}
+    found = unpack(*pack(both))
+    assert found["loud"].mean.tolist() == [20.5] and found["tri"] == both["tri"]

@@ -1,0 +1,157 @@
+import numpy as np
+import pytest
+import torch
+
+from tests.unit.models.examples import BLOCKS, PHONES, utterances, with_stream
+from visualspeech.errors import SettingError
+from visualspeech.features.labels import one_hot
+from visualspeech.features.streams import Layout, Stream
+from visualspeech.models.batches import Batch, Scaling, batch
+from visualspeech.models.objectives import OBJECTIVES
+from visualspeech.models.stack import Stack, dropped
+from visualspeech.models.stack_settings import MAX_LAYERS, StackSettings
+
+LABELS = BLOCKS["tri"].layout
+DENSE = Layout(dimension=2)
+
+
+def stack(letters, outputs=3, nodes=5, seed=1, layouts=(LABELS,)):
+    torch.manual_seed(seed)
+    return Stack(StackSettings(letters, nodes), layouts, outputs).eval()
+
+
+def padded(examples, outputs=4, fill=True):
+    """A batch of utterances, longest first, whose padding holds what must not matter."""
+    order = np.argsort([-len(one.target) for one in examples], kind="stable")
+    result = batch(examples, order, Scaling(np.zeros(outputs), np.ones(outputs)))
+    for row, length in enumerate(result.lengths.tolist() if fill else []):
+        result.index[row, length:] = 2
+        result.values[row, length:] = 7.0
+    return [examples[number] for number in order], result
+
+
+def dense_utterances(number, seed=0):
+    generator = np.random.default_rng(seed)
+    examples = utterances(number, seed)
+    streams = [Stream(values=generator.normal(size=(len(one.target), 2)).astype(np.float32)) for one in examples]
+    return with_stream(examples, streams)
+
+
+def sigmoid(x):
+    return 1 / (1 + np.exp(-x))
+
+
+def lstm(inputs, weights, suffix):
+    """One direction, frame by frame, in plain numpy (gates in torch's order: input, forget, cell, output)."""
+    inner, recurrent = weights[f"weight_ih_l0{suffix}"], weights[f"weight_hh_l0{suffix}"]
+    bias = weights[f"bias_ih_l0{suffix}"] + weights[f"bias_hh_l0{suffix}"]
+    hidden = cell = np.zeros(recurrent.shape[1])
+    outputs = []
+    for frame in inputs[::-1] if suffix else inputs:
+        i, f, g, o = np.split(inner @ frame + recurrent @ hidden + bias, 4)
+        cell = sigmoid(f) * cell + sigmoid(i) * np.tanh(g)
+        hidden = sigmoid(o) * np.tanh(cell)
+        outputs.append(hidden)
+    return np.array(outputs[::-1] if suffix else outputs)
+
+
+def slow_forward(module, streams):
+    frames = one_hot(streams[0].index, len(PHONES)).astype(np.float64)
+    frames = np.column_stack([frames, *(one.values for one in streams[1:])])
+    for letter, layer in zip(module.letters, module.layers, strict=True):
+        weights = {name: values.detach().numpy().astype(np.float64) for name, values in layer.named_parameters()}
+        if letter == "F":
+            frames = np.tanh(frames @ weights["weight"].T + weights["bias"])
+        else:
+            frames = np.concatenate([lstm(frames, weights, ""), lstm(frames, weights, "_reverse")], axis=1)
+    return frames @ module.output.weight.detach().numpy().T + module.output.bias.detach().numpy()
+
+
+@pytest.mark.parametrize("dense", [False, True])
+@pytest.mark.parametrize("letters", ["F", "B", "FBB", "BFB"])
+def test_every_utterance_of_a_padded_batch_against_plain_numpy(letters, dense):
+    module = stack(letters, layouts=(LABELS, DENSE) if dense else (LABELS,))
+    examples, given = padded(dense_utterances(4) if dense else utterances(4))
+    with torch.inference_mode():
+        outputs = module(given).numpy()
+    for row, one in enumerate(examples):
+        assert np.allclose(outputs[row, : len(one.target)], slow_forward(module, one.streams), atol=1e-5)
+        assert not outputs[row, len(one.target) :].any()
+
+
+def test_input_vectors_are_those_of_the_features():
+    labels = utterances(1)[0].streams[0].index
+    assert np.array_equal(stack("F").encode(torch.tensor(labels.astype(np.int64))).numpy(), one_hot(labels, 6))
+
+
+def test_classes_of_several_blocks_lie_beside_each_other():
+    labels = utterances(1)[0].streams[0].index
+    part = np.arange(len(labels)) % 4
+    index = torch.tensor(np.column_stack([labels, part]).astype(np.int64))
+    found = stack("F", layouts=(LABELS, Layout(sizes=(4,)))).encode(index).numpy()
+    np.testing.assert_array_equal(found[:, :-4], one_hot(labels, len(PHONES)))
+    np.testing.assert_array_equal(found[:, -4:], np.eye(4)[part])
+
+
+def test_real_values_alone():
+    module = stack("FB", layouts=(Layout(dimension=3),))
+    values = torch.randn(1, 6, 3)
+    given = Batch(torch.zeros(1, 6, 0, dtype=torch.int64), values, torch.tensor([6]), torch.zeros(0))
+    assert module(given).shape == (1, 6, 3)
+    assert module.layers[0].weight.shape[1] == 3
+
+
+@pytest.mark.parametrize("objective", sorted(OBJECTIVES))
+def test_gradient_by_finite_difference(objective):
+    module = stack("FB", nodes=3, outputs=4, layouts=(LABELS, DENSE)).double()
+    given = padded(dense_utterances(2))[1]
+    given = Batch(given.index, given.values.double(), given.lengths, given.targets.double())
+
+    def error():
+        return OBJECTIVES[objective].loss(module(given), given.targets, given.lengths)
+
+    error().backward()
+    generator = np.random.default_rng(1)
+    for weights in module.parameters():
+        place = tuple(int(generator.integers(size)) for size in weights.shape)
+        with torch.no_grad():
+            before = weights[place].item()
+            weights[place] = before + 1e-5
+            above = error().item()
+            weights[place] = before - 1e-5
+            below = error().item()
+            weights[place] = before
+        assert weights.grad[place].item() == pytest.approx((above - below) / 2e-5, rel=1e-5, abs=1e-7)
+
+
+@pytest.mark.parametrize("letters", ["FXB", "fbb", "", "FBB-128", "F B", "F" * (MAX_LAYERS + 1)])
+def test_letters_that_are_no_stack(letters):
+    with pytest.raises(SettingError, match="a stack is named by the letters F .* for example FBB"):
+        StackSettings(letters, 128)
+
+
+@pytest.mark.parametrize("nodes", [0, -3, True, 1.5, 4097])
+def test_widths_that_are_no_width(nodes):
+    with pytest.raises(SettingError, match="models.nodes"):
+        StackSettings("F", nodes)
+
+
+def test_dropped_values_keep_their_mean_and_pass_the_gradient_of_those_that_stay():
+    torch.manual_seed(1)
+    values = torch.ones(400, 500, requires_grad=True)
+    result = dropped(values, 0.3)
+    # 200,000 draws: five standard deviations of the share are 0.005.
+    assert abs((result == 0).double().mean().item() - 0.3) < 0.005
+    assert torch.allclose(result[result != 0], torch.tensor(1 / 0.7))
+    assert abs(result.mean().item() - 1) < 0.01
+    result.sum().backward()
+    assert torch.equal(values.grad, result.detach())
+
+
+def test_hidden_values_are_dropped_in_training_alone():
+    torch.manual_seed(1)
+    module = Stack(StackSettings("FB", 64), [LABELS], 3, dropout=0.5)
+    given = padded(utterances(1))[1]
+    assert not torch.equal(module(given), module(given))
+    module.eval()
+    assert torch.equal(module(given), module(given))

@@ -1,0 +1,126 @@
+"""Collects what speaking needs of a run into one folder, which :mod:`visualspeech.animation.bundle` reads."""
+
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from pathlib import Path
+from typing import NamedTuple
+
+from visualspeech.animation.background import choose_recordings, write_background
+from visualspeech.animation.bundle import FILES, describe_bundle
+from visualspeech.animation.video import Recording
+from visualspeech.corpora.records import Utterance
+from visualspeech.corpora.table import of_split
+from visualspeech.errors import SettingError
+from visualspeech.face.drift import reference_face
+from visualspeech.jobs import log
+from visualspeech.media.reading import read_frames
+from visualspeech.models.rest import resting_face
+from visualspeech.speech.alignment import read_alignments
+from visualspeech.speech.spoken import state_shares
+from visualspeech.storage import copy_file, replacing
+
+
+class RecordedFaces(NamedTuple):
+    """Opened files of the utterances: ``ArrayReader`` or ``ArrayCollection``.
+
+    Parameters
+    ----------
+    landmarks : ``points`` (T, 68, 2) in pixels of the recording
+    pose : head pose, with the frame rate
+    textures : reference face of each utterance
+    parameters : ``appearance`` (T, N), the parameters of the visual coding
+    """
+
+    landmarks: object
+    pose: object
+    textures: object
+    parameters: object
+
+
+def bundle_speaker(
+    folder: str | Path,
+    files: Mapping[str, str | Path],
+    phones: Sequence[str],
+    utterances: Sequence[Utterance],
+    alignments: Iterable[str | Path],
+    faces: RecordedFaces,
+    background: Sequence[str] = (),
+    *,
+    seconds: float,
+    corpus: str,
+    model: str,
+    consent: str,
+) -> None:
+    """Write the folder of a speaker who can be made to say any text.
+
+    The face at rest and the average durations of the phones' states come from the training utterances.
+
+    Parameters
+    ----------
+    folder : is written as a whole; an old one is replaced
+    files : paths of the parts ``model``, ``aam``, ``reference`` and ``head``, which are copied
+    phones : inventory of the corpus
+    utterances : the accepted utterances, with their split
+    alignments : paths of the alignment tables of these utterances
+    background : ids of the recordings that the lower face is put on; empty: training utterances that go together
+    seconds : of recorded background that are chosen where ``background`` is empty
+    corpus, model, consent : for what a video says of itself
+
+    Raises
+    ------
+    SettingError
+        A recording of the background is no accepted utterance.
+    DataError
+        There is no training utterance, none of them shows the face at rest, or the parts do not fit each other.
+    RejectedUtterance
+        A recording cannot be read.
+    StorageError
+        A file is missing, or the folder cannot be written.
+    """
+    training = of_split(utterances, "train")
+    shown = _background(utterances, training, faces, background, seconds)
+    log.info("background: %s", ", ".join(one.id for one in shown))
+    with replacing(folder) as made:
+        made.mkdir()
+        for name, path in files.items():
+            copy_file(path, made / FILES[name])
+        write_background(made / FILES["background"], _clips(shown, faces))
+        ids = {one.id for one in training}
+        aligned = {name: found for path in alignments for name, found in read_alignments(path, ids).items()}
+        arrays = faces.parameters
+        rest = resting_face(
+            lambda: ((found, arrays.array(name, "appearance"), arrays.rate(name)) for name, found in aligned.items())
+        )
+        describe_bundle(made, phones, state_shares(aligned.values()), rest, corpus, model, consent)
+
+
+def _background(
+    utterances: Sequence[Utterance],
+    training: Sequence[Utterance],
+    faces: RecordedFaces,
+    names: Sequence[str],
+    seconds: float,
+) -> list[Utterance]:
+    """The utterances of these names, or training utterances with the head in one position and in one light."""
+    known = {one.id: one for one in utterances}
+    missing = [name for name in names if name not in known]
+    if missing:
+        raise SettingError(
+            f"`speak.background`: {', '.join(missing)} is no accepted utterance. Name other recordings, or none to "
+            "have them chosen."
+        )
+    if not names and training:
+        rate = faces.pose.rate(training[0].id)
+        seen = (
+            (one.id, faces.landmarks.array(one.id, "points"), reference_face(faces.textures, one.id))
+            for one in training
+        )
+        names = choose_recordings(seen, seconds, rate)
+    return [known[name] for name in names]
+
+
+def _clips(utterances: Iterable[Utterance], faces: RecordedFaces) -> Iterator[tuple]:
+    """Recordings as :func:`visualspeech.animation.background.write_background` takes them."""
+    for one in utterances:
+        seen = Recording.read(faces.landmarks, faces.pose, faces.textures, one.id)
+        frames, rate = read_frames(one.media, one.start, one.end), faces.pose.rate(one.id)
+        yield one.id, one.media, frames, seen.landmarks, seen.pose, seen.drift, rate
