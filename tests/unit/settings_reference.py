@@ -1,6 +1,7 @@
 """Lines of the tables in config/README.md, made from the schemas: each key with its default, range and description."""
 
 from collections.abc import Iterator, Mapping
+from decimal import Decimal
 
 from tests.paths import REPOSITORY
 from visualspeech.animation.rendering import RenderSettings
@@ -9,6 +10,7 @@ from visualspeech.corpora.demo.recording import DemoSettings
 from visualspeech.features.blocks.base import block_kinds
 from visualspeech.fields import section_schema
 from visualspeech.models.registry import ENTRY, FAMILIES, entry_schema
+from visualspeech.models.training_settings import PRESETS
 from visualspeech.planning.systems import block_schema
 from visualspeech.schema import load_schema
 
@@ -23,8 +25,8 @@ def run_tables() -> dict[str, Mapping]:
 
 def class_tables() -> dict[str, Mapping]:
     """Title -> schema of entries of models and of blocks, and of settings that only the library has."""
-    entry = {"properties": {**entry_schema("stack")["properties"], **ENTRY}, "required": ["family"]}
-    tables = {"entry": {**entry, "properties": {key: entry["properties"][key] for key in ENTRY}}}
+    common = {key: value for key, value in entry_schema("stack")["properties"].items() if key in ENTRY}
+    tables = {"entry": {"properties": common, "required": ["family"]}}
     for family in FAMILIES:
         own = {key: value for key, value in entry_schema(family)["properties"].items() if key not in ENTRY}
         tables |= {f"family {family}": {"properties": own}} if own else {}
@@ -42,6 +44,14 @@ def reference_rows(title: str) -> list[str]:
         f"| `{key}` | {_default(key, node, required)} | {_values(node)} | {node['description']} |"
         for key, node in schema["properties"].items()
     ]
+
+
+def preset_line(optimiser: str) -> str:
+    """What a preset of training changes, as a list for people."""
+    changes = ", ".join(
+        f"`{key}: {_default(key, {'default': value}, ())}`" for key, value in PRESETS[optimiser].items()
+    )
+    return f"`optimiser: {optimiser}` changes these defaults: {changes}."
 
 
 def readme_rows() -> list[str]:
@@ -75,12 +85,12 @@ def _default(key: str, node: Mapping, required) -> str:
 
 
 def _values(node: Mapping) -> str:
-    if "enum" in node:
+    if node.get("enum"):
         return ", ".join(f"`{one}`" for one in node["enum"])
-    kind = node.get("type", "object")
+    kind = node.get("type", "string")
     if kind == "array":
         inner = _values(node["items"])
-        return f"list of {inner}" if "enum" in node["items"] else f"list: {inner}"
+        return f"list of {inner}" if node["items"].get("enum") else f"list: {inner}"
     if kind in ("integer", "number"):
         return ("whole number" if kind == "integer" else "number") + f", {_range(node)}"
     names = {"string": "text", "boolean": "true, false", "object": "mapping", "array": "list"}
@@ -94,4 +104,4 @@ def _range(node: Mapping) -> str:
 
 
 def _number(value) -> str:
-    return f"{value:,}" if value >= 10_000 else f"{value:g}"
+    return f"{int(value):,}" if value >= 10_000 else format(Decimal(f"{value:g}"), "f")

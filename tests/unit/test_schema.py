@@ -101,7 +101,7 @@ def selected(changes):
         (system("seeds: [12345678901]"), f"`{FAN}.seeds.0: 12345678901` must be at least 0 and at most 999999999"),
         (system("seeds: 3"), rf"`{FAN}.seeds: 3` must be a list; write \[3\]"),
         (nets("seeds: [a]"), f"`{NETS}.seeds.0: a` must be a whole number, at least 0"),
-        (nets("reads: tri"), rf"`{NETS}.reads: tri` must be a list; write \[tri\]. Input blocks that the model reads"),
+        (nets("reads: tri"), rf"`{NETS}.reads: tri` must be a list; write \[tri\]. Input blocks of the system"),
         (
             nets("reads: [tr]"),
             rf"`{NETS}.reads.0: tr` must be one of tri, track, parts. Did you mean `tri`\? Input block",

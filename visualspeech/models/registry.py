@@ -85,13 +85,13 @@ ALWAYS = {"training_mean": {"family": "mean"}, "reconstruction": {"family": "rec
 #: Keys of an entry of ``models:`` beside the settings of its family, as JSON Schema.
 ENTRY = {
     "family": {"type": "string", "description": "Family of models, which the settings of the entry belong to."},
-    "like": {"type": "string", "description": "Entry of models whose keys count where this one has none."},
-    "from": {"type": "string", "description": "As like; training starts from that entry's model."},
+    "like": {"type": "string", "description": "Entry of `models` whose keys count where this one has none."},
+    "from": {"type": "string", "description": "As `like`, and training starts from the model of that entry."},
     "reads": {
         "type": "array",
         "uniqueItems": True,
         "items": {"description": "Input block of the system."},
-        "description": "Input blocks that the model reads, in this order.",
+        "description": "Input blocks of the system that the model reads, in this order.",
     },
     "title": {"type": "string", "minLength": 1, "maxLength": 200, "description": "Name in tables."},
     "suffix": {
@@ -99,7 +99,7 @@ ENTRY = {
         "pattern": "^[A-Za-z0-9_-]{1,32}\\Z",
         "description": "At most 32 letters, digits, - and _ that follow the names of the rows, after a hyphen.",
     },
-    "training": {"description": "What differs from the system's settings of training."},
+    "training": {"type": "object", "description": "What differs from the system's settings of training."},
     "seeds": {
         "type": "array",
         "uniqueItems": True,
@@ -254,7 +254,7 @@ def _settings_mistakes(key: str, models: Mapping, where: str) -> list[str]:
     entry, found = _inherited(key, models), []
     family = FAMILIES[entry["family"]]
     if not _own(models[key]) and "family" not in models[key]:
-        return []  # it has the settings of the entry above, which is told what is wrong with them
+        return []  # it has the settings of the entry above, where its mistakes are reported
     for settings in _combinations(family, entry):
         try:
             built = _settings(family, settings, where, entry)

@@ -72,25 +72,26 @@ def resolve(config: Mapping, folder: Path) -> dict:
     if found:
         raise SettingError("\n".join(found))
     settings = fill_defaults(config, schemas["run"])
-    told = _Told()
+    collect = _Collector()
     shares = settings["split"]
     if abs(sum(shares.values()) - 1) > 1e-6:
-        told.found.append(f"`split`: the shares must sum to 1, they sum to {sum(shares.values()):g}.")
+        collect.found.append(f"`split`: the shares must sum to 1, they sum to {sum(shares.values()):g}.")
     corpora = {name: fill_defaults(one, schemas["corpus"], f"corpora.{name}") for name, one in corpora.items()}
     codings = {
-        name: told(_complete_coding, coding, schemas["coding"], f"codings.{name}") for name, coding in codings.items()
+        name: collect(_complete_coding, coding, schemas["coding"], f"codings.{name}")
+        for name, coding in codings.items()
     }
     systems = {
-        name: told(_complete_system, system, schemas["system"], settings["seed"]) for name, system in systems.items()
+        name: collect(_complete_system, system, schemas["system"], settings["seed"]) for name, system in systems.items()
     }
-    told.found += [] if told.found else _speak_mistakes(settings["speak"], systems)
-    if told.found:
-        raise SettingError("\n".join(told.found))
+    collect.found += [] if collect.found else _speak_mistakes(settings["speak"], systems)
+    if collect.found:
+        raise SettingError("\n".join(collect.found))
     return {**settings, "corpora": corpora, "systems": systems, "codings": codings}
 
 
-class _Told:
-    """Calls functions and keeps what they complain of, so that all mistakes are told at once."""
+class _Collector:
+    """Calls functions and keeps their errors, so that all of them are reported at once."""
 
     def __init__(self) -> None:
         self.found: list[str] = []

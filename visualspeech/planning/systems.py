@@ -23,6 +23,12 @@ NEEDS = {
     "one_speaker": "recordings of one speaker (select one with `speaker` of the corpus)",
     "emotion": "an emotion label of the utterances",
 }
+#: A name, which becomes a folder of the results.
+NAME = {
+    "type": "string",
+    "pattern": r"^[A-Za-z0-9][A-Za-z0-9_-]{0,63}\Z",
+    "description": "Folder of the results: at most 64 letters, digits, - and _.",
+}
 
 
 def read_named(given, where: str, folder: Path) -> dict:
@@ -56,14 +62,6 @@ def read_named(given, where: str, folder: Path) -> dict:
     found = {"name": path.stem, **read_yaml(path)}
     check(found, {"type": "object", "properties": {"name": NAME}}, str(path))
     return found
-
-
-#: A name, which becomes a folder of the results.
-NAME = {
-    "type": "string",
-    "pattern": r"^[A-Za-z0-9][A-Za-z0-9_-]{0,63}\Z",
-    "description": "Folder of the results: at most 64 letters, digits, - and _.",
-}
 
 
 def extended(given, kind: str, where: str, folder: Path, override: Mapping, seen: Sequence[str] = ()) -> dict:
