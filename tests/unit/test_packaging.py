@@ -3,8 +3,6 @@
 import re
 import tomllib
 
-import yaml
-
 from tests.paths import REPOSITORY
 
 
@@ -22,10 +20,3 @@ def test_every_dependency_is_pinned_exactly():
     wanted = project["dependencies"] + project["optional-dependencies"]["dev"]
     assert {normal(name) for name in wanted} <= set(pins())
     assert pins()["torch"] == "2.13.0"
-
-
-def test_the_conda_environment_has_the_same_versions():
-    environment = yaml.safe_load((REPOSITORY / "workflow" / "envs" / "visualspeech.yaml").read_text())
-    listed = dict(line.split("==") for line in environment["dependencies"][-1]["pip"])
-    project = tomllib.loads((REPOSITORY / "pyproject.toml").read_text())["project"]
-    assert {name: pins()[normal(name)] for name in project["dependencies"]} == listed

@@ -488,6 +488,21 @@ def selected(changes):
         ("speak: {sentences: [12]}", r"`speak.sentences.0: 12` must be a text \(put it in quotes\)"),
         ("speak: {voice: {pitch: 200}}", "`speak.voice.pitch: 200` must be at least 0 and at most 100. Pitch"),
         ("shards: four", "`shards: four` must be a whole number, at least 1 and at most 1000. Parts in which"),
+        ("shards: 16.0", "`shards: 16.0` must be a whole number, .*; write 16"),
+        ("shards: 16.5", "`shards: 16.5` must be a whole number, at least 1 and at most 1000. Parts"),
+        ("shards: '16'", "`shards: '16'` must be a whole number, .*; write 16"),
+        ("shards: yes", "`shards: true` must be a whole number, at least 1 and at most 1000. "),
+        ("shards: -4", "`shards: -4` must be at least 1"),
+        ("shards: ", "`shards` is empty and must be a whole number"),
+        (
+            system("title: no"),
+            rf"`{FAN}.title: false` must be a text \(YAML reads no, yes, on and off as false and true",
+        ),
+        (system("title: 3"), rf"`{FAN}.title: 3` must be a text \(put it in quotes\)"),
+        (
+            models("x: {family: mean, reads: [tri]}"),
+            f"`{FAN}.models.x.reads` must be left out: the family mean reads no",
+        ),
         ("seed: 12345678901", "`seed: 12345678901` must be at least 0 and at most 999999999"),
         ("sed: 3", r"unknown setting `sed`\. Did you mean `seed`\? Known here: alignment, check"),
         (

@@ -5,9 +5,39 @@ import subprocess
 import sys
 from pathlib import Path
 
+import yaml
+
 from tests.paths import REPOSITORY
 
 TINY = REPOSITORY / "config" / "test.yaml"
+
+
+def overlay(folder: Path, *changes: dict, name: str = "overlay.yaml") -> tuple[Path, Path]:
+    """The configuration files of the tiny run with changes laid over it, one after the other."""
+    from visualspeech.settings import merged
+
+    path = folder / name
+    together: dict = {}
+    for change in changes:
+        together = merged(together, change)
+    path.write_text(yaml.safe_dump(together))
+    return TINY, path
+
+
+def of_system(system: str = "fan2015", **changes) -> dict:
+    """Changes of one system."""
+    return {"override": {"systems": {system: changes}}}
+
+
+def of_coding(coding: str = "aam51", **changes) -> dict:
+    """Changes of one visual coding."""
+    return {"override": {"codings": {coding: changes}}}
+
+
+def tiny_corpus(**changes) -> dict:
+    """The corpus of the tiny run with changes: a list is replaced as a whole."""
+    corpus, *_ = yaml.safe_load(TINY.read_text())["corpora"]
+    return {"corpora": [corpus | changes]}
 
 
 def command(folder: Path, *arguments: str, cores: int = 2, configfiles: tuple = (TINY,)) -> list[str]:
@@ -36,6 +66,12 @@ def planned_rules(folder: Path, *arguments: str, configfiles: tuple = (TINY,)) -
 
 
 def tables(folder: Path, corpus: str = "tiny") -> dict[str, bytes]:
-    """The final tables of a run, by name, as bytes."""
-    found = sorted(Path(folder, "results", corpus, "fan2015", "tables").iterdir())
-    return {path.name: path.read_bytes() for path in found}
+    """The final tables of a run, by path, as bytes."""
+    results = Path(folder, "results", corpus)
+    found = sorted(path for path in results.rglob("tables/*") if path.is_file())
+    return {str(path.relative_to(results)): path.read_bytes() for path in found}
+
+
+def files_of(folder: Path) -> set[str]:
+    """Every file and folder below a folder, but those of Snakemake itself."""
+    return {str(path.relative_to(folder)) for path in Path(folder).rglob("*") if ".snakemake" not in path.parts}

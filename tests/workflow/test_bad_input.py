@@ -11,7 +11,7 @@ import yaml
 
 from tests import synthetic
 from tests.paths import REPOSITORY
-from tests.workflow.running import TINY, command, snakemake
+from tests.workflow.running import TINY, command, of_coding, of_system, snakemake
 from visualspeech.media.reading import read_audio, read_frames
 from visualspeech.storage import read_table
 
@@ -102,17 +102,17 @@ def findings(recordings, tmp_path_factory):
     remake(path, target, audio=read_audio(path, 8000), audio_rate=8000)
     corpus = {"name": "bad", "adapter": "folder", "root": str(root), "consent": "Nobody's face."}
     overlay = folder / "bad.yaml"
-    overlay.write_text(yaml.safe_dump({"corpus": corpus, "max_rejected_share": 0.9, "shards": 2}))
+    overlay.write_text(yaml.safe_dump({"corpora": [corpus], "max_rejected_share": 0.9, "shards": 2}))
     done = snakemake(folder, "pose", configfiles=(overlay,))
     assert done.returncode == 0, done.stdout[-6000:]
     assert "Traceback" not in done.stdout
     result: dict[str, list[tuple[str, str, str]]] = {}
     table = read_table(
-        folder / "results" / "bad" / "fan2015" / "findings.tsv", ("id", "stage", "level", "file", "finding", "remedy")
+        folder / "results" / "bad" / "findings.tsv", ("id", "stage", "level", "file", "finding", "remedy")
     )
     for row in table.itertuples():
         result.setdefault(row.id, []).append((row.level, row.finding, row.remedy))
-    result["accepted"] = set(read_table(folder / "results" / "bad" / "fan2015" / "utterances.tsv")["id"])
+    result["accepted"] = set(read_table(folder / "results" / "bad" / "utterances.tsv")["id"])
     return result
 
 
@@ -161,22 +161,20 @@ def test_the_corpus_goes_on_with_the_good_recordings(findings):
 @pytest.mark.parametrize(
     ("settings", "said"),
     [
-        ({"aam": {"shap": {"energy": 0.9}}}, "unknown setting `aam.shap`. Did you mean `shape`?"),
-        ({"corpus": {"name": "x", "adapter": "folder", "root": "/nowhere/at/all"}}, "/nowhere/at/all"),
-        ({"corpus": {"name": "x", "adapter": "folder"}}, "root"),
-        ({"corpus": "griid"}, "Did you mean `grid`?"),
+        (of_coding(aam={"shap": {"energy": 0.9}}), "unknown setting `codings.aam51.aam.shap`. Did you mean `shape`?"),
+        ({"corpora": [{"name": "x", "adapter": "folder", "root": "/nowhere/at/all"}]}, "/nowhere/at/all"),
+        ({"corpora": [{"name": "x", "adapter": "folder"}]}, "root"),
+        ({"corpora": ["griid"]}, "Did you mean `grid`?"),
+        ({"systems": ["fan2051"]}, "`systems: fan2051` is not known. Known: fan2015"),
         ({"shards": 0}, "`shards: 0`"),
-        ({"networks": {"stacks": [False]}}, "`networks.stacks.0: false` must be a text"),
-        ({"aam": {"shape": {"components": 93}}}, "`aam.shape.components: 93` is more than there can be"),
-        ({"aam": {"texture": {"components": 300}}}, "300 images give 299 at most"),
-        ({"preference": {"models": ["FB-16", "FB-17"]}}, "`preference.models: FB-17` is not there. Known: FB-16"),
-        ({"speak": {"model": "FB-17"}}, "`speak.model: FB-17` is not trained. Trained here: FB-16"),
+        (of_system(models={"nets": {"letters": ["FXB"]}}), "FXB"),
+        (of_coding(aam={"shape": {"components": 93}}), "`aam.shape.components: 93` is more than there can be"),
+        (of_coding(aam={"texture": {"components": 300}}), "300 images give 299 at most"),
+        (of_system(preference={"models": ["FB-16", "FB-17"]}), "preference.models: FB-17` is no model of the system"),
+        ({"speak": {"model": "FB-17"}}, "`speak.model: FB-17` is no model of fan2015. Known: FB-16"),
         ({"speak": {"sentences": ["Fine.", "?!"]}}, "no word to pronounce in '?!', text 2 of speak.sentences"),
         ({"speak": {"file": "nowhere.txt"}}, "cannot read the sentences of nowhere.txt: No such file"),
-        (
-            {"speak": {"background": ["nobody"]}},
-            "`speak.background: nobody` is no utterance of the corpus tiny; its ids",
-        ),
+        ({"speak": {"background": ["nobody"]}}, "`speak.background: nobody` is no utterance of the corpus"),
         ({"speak": {"voice": {"voice": "martian"}}}, "eSpeak NG has no voice 'martian'; give an English one"),
     ],
 )
@@ -197,7 +195,7 @@ def test_two_utterances_with_one_id_fail_before_any_job(tmp_path):
         (tmp_path / "clips" / folder / "one.mp4").write_bytes(b"x")
     (tmp_path / "clips" / "table.tsv").write_text("\n".join(rows) + "\n")
     corpus = {"name": "x", "adapter": "folder", "root": str(tmp_path / "clips"), "table": "table.tsv"}
-    (tmp_path / "x.yaml").write_text(yaml.safe_dump({"corpus": corpus}))
+    (tmp_path / "x.yaml").write_text(yaml.safe_dump({"corpora": [corpus]}))
     done = snakemake(tmp_path, "all", configfiles=(tmp_path / "x.yaml",))
     assert done.returncode != 0 and "two utterances have one id" in done.stdout and "Traceback" not in done.stdout
 
@@ -208,7 +206,7 @@ def test_too_many_rejected_utterances_stop_the_run(tmp_path):
         (tmp_path / "clips" / f"{number}.mp4").write_bytes(b"no video")
         (tmp_path / "clips" / f"{number}.txt").write_text("hello there")
     corpus = {"name": "x", "adapter": "folder", "root": str(tmp_path / "clips"), "consent": "none"}
-    (tmp_path / "x.yaml").write_text(yaml.safe_dump({"corpus": corpus}))
+    (tmp_path / "x.yaml").write_text(yaml.safe_dump({"corpora": [corpus]}))
     done = snakemake(tmp_path, "all", configfiles=(tmp_path / "x.yaml",))
     assert done.returncode != 0
     assert "4 of 4 utterances cannot be used" in done.stdout and "Traceback" not in done.stdout

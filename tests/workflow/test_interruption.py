@@ -1,4 +1,4 @@
-"""A run killed at any point goes on with the same command to the same tables, with any number of cores."""
+"""A run killed at any point ends after the same command in the same tables, with any number of cores."""
 
 import os
 import signal
@@ -13,7 +13,7 @@ from tests.workflow.running import command, snakemake, tables
 MOMENTS = [
     "recordings",
     "landmarks/*.h5",
-    "fan2015/aam/model.safetensors",
+    "codings/aam51/model.safetensors",
     "fan2015/models/FB-16/checkpoint.safetensors",
 ]
 
@@ -42,16 +42,17 @@ def test_killed_runs_end_in_the_same_tables(tiny_run, tmp_path):
     assert not (tmp_path / "results/tiny/fan2015/models/FB-16/checkpoint.safetensors").exists()
 
 
-def test_two_runs_at_once_do_not_share_a_folder(tmp_path):
-    from visualspeech.corpora.plan import hold
-
+def test_two_runs_at_once_do_not_share_a_corpus(tmp_path):
     from visualspeech.errors import StorageError
+    from visualspeech.planning.corpora import hold
 
-    held = hold(tmp_path / "results")
+    held = hold(tmp_path / "results" / "tiny")
     with pytest.raises(StorageError, match="another run"):
-        hold(tmp_path / "results")
+        hold(tmp_path / "results" / "tiny")
     done = snakemake(tmp_path, "alignment")
     assert done.returncode != 0
     assert "another run is using" in done.stdout and "Traceback" not in done.stdout
+    assert not (tmp_path / "results" / "tiny" / "corpus").exists()
+    hold(tmp_path / "results" / "other").close()  # another corpus is another folder
     held.close()
-    hold(tmp_path / "results").close()
+    hold(tmp_path / "results" / "tiny").close()

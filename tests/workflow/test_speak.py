@@ -5,18 +5,16 @@ import sys
 
 import av
 import pytest
-import yaml
 
-from tests.workflow.running import TINY, planned_rules, snakemake
+from tests.workflow import running
+from tests.workflow.running import planned_rules, snakemake
 from visualspeech.media.reading import probe
 
 TEXTS = ["Hello there.", "A big map. Please buy the pie!"]
 
 
 def overlay(folder, **speak):
-    path = folder / "speak.yaml"
-    path.write_text(yaml.safe_dump({"speak": speak}))
-    return (TINY, path)
+    return running.overlay(folder, {"speak": speak}, name="speak.yaml")
 
 
 @pytest.fixture(scope="module")
@@ -77,7 +75,7 @@ def test_the_console_command_takes_the_folder(spoken, tmp_path):
     [
         ({"sentences": ["Fine.", "?!"]}, "no word to pronounce in '?!'"),
         ({"sentences": []}, "speak.sentences: []"),
-        ({"model": "FBB-77"}, "`speak.model: FBB-77` is not trained"),
+        ({"model": "FBB-77"}, "`speak.model: FBB-77` is no model of fan2015"),
         ({"file": "nowhere.txt"}, "cannot read the sentences of nowhere.txt"),
         ({"sentence": ["a"]}, "Did you mean `sentences`?"),
         ({"voice": {"rate_wpm": 5}}, "speak.voice.rate_wpm: 5"),

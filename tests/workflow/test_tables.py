@@ -2,16 +2,8 @@
 
 import shutil
 
-import yaml
-
-from tests.workflow.running import TINY, snakemake
+from tests.workflow.running import of_system, overlay, snakemake
 from visualspeech.storage import read_table
-
-
-def overlay(tmp_path, changes):
-    path = tmp_path / "overlay.yaml"
-    path.write_text(yaml.safe_dump(changes))
-    return (TINY, path)
 
 
 def planned(folder, target, configfiles):
@@ -22,32 +14,33 @@ def planned(folder, target, configfiles):
 
 def test_every_table_is_there_in_four_forms(tiny_run):
     folder = tiny_run / "results" / "tiny" / "fan2015" / "tables"
-    for name in ("objective", "topologies", "comparisons", "systems"):
+    for name in ("objective", "topologies", "comparisons", "gains"):
         for suffix in ("tsv", "md", "tex", "html"):
             assert (folder / f"{name}.{suffix}").stat().st_size > 100
     assert "156.502" in (folder / "topologies.md").read_text()
     report = (tiny_run / "results" / "tiny" / "report.html").read_text()
-    assert "156.502" in report and "RMSE(shape): which differences are real" in report
+    assert "156.502" in report and "Systems on one corpus" in report
 
 
 def test_a_second_seed_trains_only_itself(tiny_run, tmp_path):
-    out = planned(tiny_run, "tables", overlay(tmp_path, {"networks": {"seeds": [1, 7]}}))
-    assert out.count("rule train_network:") == 1 and "models/FB-16-s7/network.safetensors" in out
+    out = planned(tiny_run, "tables", overlay(tmp_path, of_system(seeds=[1, 7])))
+    assert out.count("rule train_model:") == 1 and "models/FB-16-s7/model.safetensors" in out
 
 
 def test_richer_labels_train_only_networks_of_them(tiny_run, tmp_path):
-    out = planned(tiny_run, "tables", overlay(tmp_path, {"networks": {"richer": ["FB-16"]}}))
-    assert out.count("rule train_network:") == 1 and "models/FB-16-rich/network.safetensors" in out
-    assert out.count("rule enrich_labels:") == 2 and "rule build_features:" not in out
+    rich = {"like": "nets", "letters": ["FB"], "suffix": "rich", "reads": ["tri", "parts"]}
+    out = planned(tiny_run, "tables", overlay(tmp_path, of_system(models={"rich": rich})))
+    assert out.count("rule train_model:") == 1 and "models/FB-16-rich/model.safetensors" in out
+    assert out.count("rule encode_block:") == 2 and "features/parts/0.h5" in out and "rule build_targets:" not in out
 
 
 def test_the_other_reading_of_widths_trains_anew(tiny_run, tmp_path):
-    out = planned(tiny_run, "models", overlay(tmp_path, {"networks": {"b_nodes": "layer"}}))
-    assert out.count("rule train_network:") == 1 and "rule train_hmm:" not in out
+    out = planned(tiny_run, "models", overlay(tmp_path, of_system(models={"nets": {"b_nodes": "layer"}})))
+    assert out.count("rule train_model:") == 1 and "models/FB-16/model.safetensors" in out
 
 
 def test_a_preference_test_is_a_target(tiny_run, tmp_path):
-    done = snakemake(tiny_run, "preference", configfiles=overlay(tmp_path, {"preference": {"count": 1}}))
+    done = snakemake(tiny_run, "preference", configfiles=overlay(tmp_path, of_system(preference={"count": 1})))
     assert done.returncode == 0, done.stdout[-3000:]
     run = tiny_run / "results" / "tiny" / "fan2015"
     assert [path.name for path in (run / "preference" / "videos").glob("*.mp4")] == ["01.mp4"]
@@ -55,8 +48,11 @@ def test_a_preference_test_is_a_target(tiny_run, tmp_path):
     assert {key["A"][0], key["B"][0]} == {"FB-16", "hmm_mge"}
     answers = tmp_path / "answers.tsv"
     answers.write_text(f"listener\tpair\tanswer\nx\t1\t{'A' if key['A'][0] == 'FB-16' else 'B'}\n")
-    changes = {"preference": {"count": 1, "answers": str(answers)}}
-    done = snakemake(tiny_run, "tally_preference", configfiles=overlay(tmp_path, changes))
+    blank = "results/tiny/fan2015/tables/preference.tsv"
+    done = snakemake(tiny_run, blank, configfiles=overlay(tmp_path, of_system(preference={"count": 1})))
+    assert done.returncode != 0 and "preference/answers.tsv" in done.stdout and "Traceback" not in done.stdout
+    changes = of_system(preference={"count": 1, "answers": str(answers)})
+    done = snakemake(tiny_run, blank, configfiles=overlay(tmp_path, changes))
     assert done.returncode == 0, done.stdout[-3000:]
     assert "100.0%" in (run / "tables" / "preference.md").read_text()
     for path in (run / "tables").glob("preference.*"):
@@ -66,6 +62,6 @@ def test_a_preference_test_is_a_target(tiny_run, tmp_path):
 
 
 def test_unknown_models_of_a_preference_test_are_named(tiny_run, tmp_path):
-    changes = {"preference": {"models": ["FB-16", "FB-17"]}}
+    changes = of_system(preference={"models": ["FB-16", "FB-17"]})
     done = snakemake(tiny_run, "--dry-run", "preference", configfiles=overlay(tmp_path, changes))
-    assert done.returncode != 0 and "`preference.models: FB-17` is not there. Known: FB-16" in done.stdout
+    assert done.returncode != 0 and "preference.models: FB-17` is no model of the system. Known: FB-16" in done.stdout

@@ -74,9 +74,11 @@ FAMILIES = {
         title=lambda name, settings: f"{settings['context']}-state mean",
         reads=(1, 1),
     ),
-    "mean": Family("visualspeech.models.mean", role="baseline", title=lambda name, settings: "training mean"),
+    "mean": Family(
+        "visualspeech.models.mean", role="baseline", title=lambda name, settings: "training mean", reads=(0, 0)
+    ),
     # Not trained: the true parameters as if they were a prediction. Its error is that of the visual coding alone.
-    "reconstruction": Family("", role="floor", title=lambda name, settings: "reconstruction (floor)"),
+    "reconstruction": Family("", role="floor", title=lambda name, settings: "reconstruction (floor)", reads=(0, 0)),
 }
 
 #: Rows that every system has: what a prediction must beat, and the error that none can fall below.
@@ -243,6 +245,9 @@ def _key_mistakes(key: str, models: Mapping, blocks: Collection[str], where: str
             if name in own
         ]
         own = {name: value for name, value in own.items() if name not in TRAINED_KEYS}
+    if family.reads[1] == 0 and "reads" in own:
+        found.append(f"`{where}.reads` must be left out: the family {entry['family']} reads no input block.")
+        own = {name: value for name, value in own.items() if name != "reads"}
     found += mistakes(own, entry_schema(entry["family"], own, blocks), where)
     if family.reads[0] and "reads" not in entry:
         found.append(f"`{where}` lacks `reads`. {ENTRY['reads']['description']} Known: {', '.join(blocks)}.")
@@ -307,7 +312,9 @@ def _inherited(key: str, models: Mapping) -> dict:
     above = entry.get("like", entry.get("from"))
     if above is None:
         return entry
-    base = {name: value for name, value in _inherited(above, models).items() if name not in ("like", "from", "title")}
+    # What is like a model that is made from another is made from that one too.
+    dropped = ("title", "like", "from") if "from" in entry else ("title", "like")
+    base = {name: value for name, value in _inherited(above, models).items() if name not in dropped}
     training = [one["training"] for one in (base, entry) if isinstance(one.get("training"), Mapping)]
     return {**base, **entry, **({"training": laid_over(*training)} if len(training) == 2 else {})}
 

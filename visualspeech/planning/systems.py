@@ -64,7 +64,7 @@ def read_named(given, where: str, folder: Path) -> dict:
     return found
 
 
-def extended(given, kind: str, where: str, folder: Path, override: Mapping, seen: Sequence[str] = ()) -> dict:
+def extended(given, kind: str, folder: Path, override: Mapping, where: str = "", seen: Sequence[str] = ()) -> dict:
     """A named mapping laid over the one that it ``extends``, the run's own changes over both.
 
     The changes of a name that is extended count for what extends it too: an overlay that changes ``fan2015`` changes
@@ -74,9 +74,9 @@ def extended(given, kind: str, where: str, folder: Path, override: Mapping, seen
     ----------
     given : name, path or mapping
     kind : systems or codings
-    where : place of ``given`` in the settings, for messages
     folder : of the files that are known by name
     override : the run's own changes, by name
+    where : place of ``given`` in the settings, for messages; empty: ``kind``
     seen : names that led here by ``extends``
 
     Raises
@@ -84,12 +84,13 @@ def extended(given, kind: str, where: str, folder: Path, override: Mapping, seen
     SettingError
         As :func:`read_named`, or the chain of ``extends`` leads back to itself.
     """
+    where = where or kind
     own = read_named(given, where, folder)
     name, above = own["name"], own.pop("extends", None)
     if name in seen:
         raise SettingError(f"`{where}: {given}` leads back to {name} ({' -> '.join([*seen, name])}); extend another.")
     if above is not None:
-        below = extended(above, kind, f"{kind}.{name}.extends", folder, override, (*seen, name))
+        below = extended(above, kind, folder, override, f"{kind}.{name}.extends", (*seen, name))
         own = {**merged(below, own), "name": name}
     return {**merged(own, override.get(name, {})), "name": name}
 
@@ -105,14 +106,14 @@ def read_systems(given, codings_override: Mapping, systems_override: Mapping, fo
     """
     entries = []
     for where, one in listed(given, "systems"):
-        system = extended(one, "systems", where, folder / "systems", systems_override)
+        system = extended(one, "systems", folder / "systems", systems_override, where)
         entries.append((where, system))
     systems, codings = by_name(entries, "systems"), {}
     for name, system in systems.items():
         if "coding" not in system:
             continue  # its schema says so
         where = f"systems.{name}.coding"
-        coding = extended(system["coding"], "codings", where, folder / "codings", codings_override)
+        coding = extended(system["coding"], "codings", folder / "codings", codings_override, where)
         if codings.setdefault(coding["name"], coding) != coding:
             raise SettingError(
                 f"`{where}`: another system defines a coding named {coding['name']} with different settings; give one "

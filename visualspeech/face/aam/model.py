@@ -137,11 +137,8 @@ class AamSettings(Settings):
         for name, found in limits.items():
             asked, (most, why) = getattr(self, name).get("components", 0), min(found)
             if asked > most:
-                raise FieldError(
-                    f"aam.{name}.components",
-                    f": {asked}` is more than there can be: {why} give {most} at most. Ask for fewer, or write an "
-                    "energy such as 0.95 in place of components.",
-                )
+                said = f"is more than there can be: {why} give {most} at most. Ask for fewer, or write an energy such"
+                raise FieldError(f"aam.{name}.components", f": {asked}` {said} as 0.95 in place of components.")
 
 
 def _check_target(name: str, target: Mapping) -> None:
@@ -156,10 +153,8 @@ def _check_target(name: str, target: Mapping) -> None:
             raise FieldError(f"aam.{name}.energy", f": {value}` must be above 0 and below 1, for example 0.99.")
         whole = isinstance(value, int) and not isinstance(value, bool)
         if key != "energy" and not (whole and 1 <= value <= MOST_COMPONENTS):
-            raise FieldError(
-                f"aam.{name}.{key}",
-                f": {value}` must be a whole number, at least 1 and at most {MOST_COMPONENTS}.",
-            )
+            rule = f"must be a whole number, at least 1 and at most {MOST_COMPONENTS}."
+            raise FieldError(f"aam.{name}.{key}", f": {value}` {rule}")
 
 
 class Parameters(NamedTuple):
