@@ -1,19 +1,19 @@
-"""Frames a second of processor time of reading textures out of pictures and painting them back, on one core.
+"""Frames per second of processor time of sampling textures from frames and painting them back, on one core.
 
-Run: python benchmarks/texture.py [video]
+Run: python -m benchmarks.texture [VIDEO]
 
-Without a video the pictures are made up (360 x 288) and decoding is not counted. With one, its frames are decoded on
-the way, with made-up points: the speed does not depend on what is in the picture. The plain way, one warp for each
-triangle of the mesh as image libraries offer it, is timed beside ours.
+Without a video the frames are random (360 x 288) and decoding is not counted. With one, its frames are decoded too; the
+points are synthetic in both cases, for the speed does not depend on the content of a frame. Beside it, for comparison:
+one warp for each triangle of the mesh, as image libraries offer it.
 """
 
-import sys
 import time
 from itertools import islice
 
 import cv2
 import numpy as np
 
+from benchmarks.command import run_main
 from visualspeech.face.aam.reference import Reference, fit_reference, paint, sample_texture
 from visualspeech.face.point_sets import read_point_set
 from visualspeech.media.reading import read_frames
@@ -51,10 +51,10 @@ def triangle_by_triangle(frame: np.ndarray, points: np.ndarray, reference: Refer
 
 
 def speed(name: str, function, count: int) -> float:
-    start = time.process_time()
+    begin = time.process_time()
     for number in range(count):
         function(number)
-    rate = count / (time.process_time() - start)
+    rate = count / (time.process_time() - begin)
     print(f"{name:44s} {rate:8.0f} frames/s")
     return rate
 
@@ -71,19 +71,19 @@ def main(video: str = "") -> None:
     print(f"textures of {reference.size} pixels")
     ours = speed("sample_texture", lambda i: sample_texture(pictures[i], points[i], reference), len(pictures))
     plain = speed(
-        "a warp for each triangle", lambda i: triangle_by_triangle(pictures[i], points[i], reference), len(pictures)
+        "one warp per triangle", lambda i: triangle_by_triangle(pictures[i], points[i], reference), len(pictures)
     )
     print(f"ratio: {ours / plain:.1f}")
     textures = [sample_texture(picture, at, reference) for picture, at in zip(pictures, points, strict=True)]
     speed("paint", lambda i: paint(textures[i], points[i], reference, pictures[i]), len(pictures))
     if video:
-        start = time.process_time()
+        begin = time.process_time()
         done = 0
         for number, frame in enumerate(islice(read_frames(video), FRAMES)):
             sample_texture(frame, points[number], reference)
             done += 1
-        print(f"{'decoding and sample_texture':44s} {done / (time.process_time() - start):8.0f} frames/s")
+        print(f"{'decoding and sample_texture':44s} {done / (time.process_time() - begin):8.0f} frames/s")
 
 
 if __name__ == "__main__":
-    main(*sys.argv[1:])
+    run_main(main, __doc__)
