@@ -23,7 +23,25 @@ def test_a_text_file_beside_each_video(tmp_path):
     assert found["three"].transcript == ""
     assert (found["one"].speaker, found["anna-two_words"].speaker) == ("mine", "anna")
     assert found["one"].media == str(tmp_path / "one.MP4")
-    assert {one.speaker for one in utterances(corpus(tmp_path, speaker="ben"))} == {"ben"}
+
+
+def test_speaker_selects_one_of_several(tmp_path):
+    for name in ("anna/a.mp4", "ben/b.mp4", "ben/c.mp4", "d.mp4"):
+        (tmp_path / name).parent.mkdir(exist_ok=True)
+        (tmp_path / name).write_bytes(b"")
+    assert [one.id for one in utterances(corpus(tmp_path, speaker="ben"))] == ["ben-b", "ben-c"]
+    assert [one.speaker for one in utterances(corpus(tmp_path))] == ["anna", "ben", "ben", "mine"]
+    with pytest.raises(CorpusError, match="speaker 'carl' .* there are recordings without a speaker, anna, ben"):
+        utterances(corpus(tmp_path, speaker="carl"))
+
+
+def test_speaker_names_recordings_that_name_none(tmp_path):
+    (tmp_path / "a.mp4").write_bytes(b"")
+    assert [one.speaker for one in utterances(corpus(tmp_path, speaker="ben"))] == ["ben"]
+    assert [one.speaker for one in utterances(corpus(tmp_path))] == ["mine"]
+    (tmp_path / "list.csv").write_text("file,transcript,speaker\na.mp4,x,anna\nb.mp4,y,ben\n")
+    (one,) = utterances(corpus(tmp_path, table="list.csv", speaker="anna"))
+    assert (one.id, one.speaker, one.sound, one.audio, one.motion) == ("a", "anna", str(tmp_path / "a.mp4"), "", "")
 
 
 @pytest.mark.parametrize("encoding", ["utf-8", "utf-8-sig", "utf-16", "cp1252"])

@@ -57,3 +57,30 @@ def test_bad_fractions_and_too_few_utterances_are_sentences():
             split_utterances(corpus(10), fractions)
     with pytest.raises(CorpusError, match="at least three"):
         split_utterances(corpus(2))
+
+
+def of_speakers(**counts):
+    return [
+        Utterance(f"{speaker}{number:03d}", speaker, f"{speaker}{number}.mp4", "text")
+        for speaker, count in counts.items()
+        for number in range(count)
+    ]
+
+
+def test_every_speaker_is_cut_by_himself():
+    both = of_speakers(anna=40, ben=20)
+    split = split_utterances(both, seed=3)
+    sizes = Counter((one.speaker, split[one.id]) for one in both)
+    assert [sizes["anna", name] for name in ("train", "validation", "test")] == [32, 4, 4]
+    assert [sizes["ben", name] for name in ("train", "validation", "test")] == [16, 2, 2]
+    assert list(split) == sorted(split)
+    # A speaker's own split does not depend on who else is there.
+    alone = split_utterances([one for one in both if one.speaker == "ben"], seed=3)
+    assert alone == {name: part for name, part in split.items() if name in alone}
+
+
+def test_a_speaker_with_too_few_utterances_is_named():
+    with pytest.raises(CorpusError, match="the speaker 'ben' has 2 utterances. Give at least three"):
+        split_utterances(of_speakers(anna=5, ben=2))
+    with pytest.raises(CorpusError, match="the corpus has 0 utterances"):
+        split_utterances([])

@@ -1,0 +1,69 @@
+"""The phones that a model knows, and what it predicts from new speech, for every family."""
+
+import numpy as np
+import pytest
+
+from tests.unit.models.examples import task
+from tests.unit.speech.alignments import even_alignment
+from visualspeech.errors import DataError
+from visualspeech.features.blocks.base import Source
+from visualspeech.features.blocks.label_parts import LabelParts
+from visualspeech.features.blocks.phone_track import PhoneTrack
+from visualspeech.features.blocks.triphone_state import TriphoneState
+from visualspeech.features.examples import Example
+from visualspeech.models import lookup, mean, stack
+from visualspeech.models.hmm import family as hmm
+from visualspeech.models.inventory import phones_of, predict_alignment
+from visualspeech.models.registry import FAMILIES, load_model
+
+PHONES = ("sil", "ae", "m", "p")
+ALIGNMENT = even_alignment([("sil", ["sil"]), ("map", ["m", "ae", "p"]), ("sil", ["sil"])], 0.2)
+TRI, TRACK, PARTS = TriphoneState(PHONES), PhoneTrack(PHONES), LabelParts(("position_in_word",))
+CASES = {
+    "stack": (stack, {"letters": "F", "nodes": 4}, {"parts": PARTS, "tri": TRI}, {"max_epochs": 1}),
+    "hmm": (hmm, {"variant": "monophone", "states": 2, "rate": 50.0}, {"track": TRACK}, {}),
+    "lookup": (lookup, {}, {"tri": TRI}, {}),
+    "mean": (mean, {}, {}, {}),
+}
+
+
+def examples(blocks):
+    frames, rate = 25, 25.0
+    source = Source(frames, rate, ALIGNMENT)
+    streams = tuple(next(iter(block.encode([source]))) for block in blocks.values())
+    target = np.random.default_rng(0).normal(size=(frames, 3)).astype(np.float32)
+    return [Example(streams, target, rate)] * 3
+
+
+@pytest.fixture(params=CASES)
+def model(request):
+    module, settings, blocks, options = CASES[request.param]
+    given = examples(blocks)
+    return module.fit(task(request.param, settings, given, given, blocks, options)).model
+
+
+def test_all_families_are_here():
+    assert set(CASES) == {name for name, family in FAMILIES.items() if family.module}
+
+
+def test_new_speech_goes_through_the_blocks_of_the_model(model, tmp_path):
+    found = predict_alignment(model, ALIGNMENT, 25)
+    (streams, *_), *_ = examples(model.blocks)
+    assert found.shape == (25, 3) and found.dtype == np.float32
+    assert np.array_equal(found, model.predict(streams, 25, 25.0))
+    model.save(tmp_path / "model.safetensors")
+    assert np.array_equal(predict_alignment(load_model(tmp_path / "model.safetensors"), ALIGNMENT, 25), found)
+    assert predict_alignment(model, ALIGNMENT, 40).shape == (40, 3)
+
+
+def test_the_phones_of_a_model(model):
+    assert phones_of(model) == (PHONES if model.blocks else ())
+
+
+def test_phones_that_a_model_does_not_know_are_named(model):
+    other = even_alignment([("zoo", ["z", "uw"])])
+    if model.blocks:
+        with pytest.raises(DataError, match="inventory of 4 phones does not have uw, z"):
+            predict_alignment(model, other, 5)
+    else:
+        assert predict_alignment(model, other, 5).shape == (5, 3)

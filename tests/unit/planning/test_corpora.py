@@ -1,0 +1,136 @@
+"""The plan of a corpus: utterances, shards, split and speakers, without writing; and the hold on the results folder."""
+
+import os
+import subprocess
+import sys
+
+import pytest
+
+from visualspeech.corpora.records import shard_of
+from visualspeech.corpora.split import split_utterances
+from visualspeech.errors import CorpusError, StorageError
+from visualspeech.planning.corpora import hold, plan_corpus
+
+SHARES = {"train": 0.8, "validation": 0.1, "test": 0.1}
+
+
+def demo(count):
+    return {"name": "d", "adapter": "demo", "utterances": count, "seed": 1}
+
+
+def folder(root, files, table="", **more):
+    """A corpus of empty recordings; a transcript stands in a file beside each."""
+    for name, text in files.items():
+        path = root / name
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_bytes(b"")
+        if text:
+            path.with_suffix(".txt").write_text(text)
+    return {"name": "mine", "adapter": "folder", "root": str(root), "table": table, **more}
+
+
+def plan(corpus, shards=3, seed=1, results="results"):
+    return plan_corpus(corpus, shards, SHARES, seed, str(results))
+
+
+def test_every_utterance_is_once_in_its_shard(tmp_path):
+    found = plan(demo(20), results=tmp_path)
+    assert sum(map(len, found.utterances.values())) == 20
+    assert all(shard_of(one.id, 3) == int(shard) for shard, members in found.utterances.items() for one in members)
+    ids = sorted(one.id for members in found.utterances.values() for one in members)
+    assert sorted(found.split) == ids and found.shards == sorted(found.utterances, key=int)
+    assert found.media["0"] == [f"{tmp_path}/d/recordings/0"]
+    assert [row["id"] for row in found.rows("0")] == [one.id for one in found.utterances["0"]]
+    assert found.test_utterances() == 2
+    everyone = [one for members in found.utterances.values() for one in members]
+    assert found.split == split_utterances(everyone, (0.8, 0.1, 0.1), 1)
+
+
+def test_planning_writes_nothing(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    plan(demo(20))
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_one_more_utterance_touches_one_shard(tmp_path):
+    before, after = (plan(demo(count), results=tmp_path) for count in (20, 21))
+    assert sum(before.rows(shard) != after.rows(shard) for shard in before.shards) == 1
+
+
+def test_media_are_the_files_that_are_there(tmp_path):
+    for name in ("a.mp4", "b.mp4", "c.mp4"):
+        (tmp_path / name).write_bytes(b"")
+    (tmp_path / "list.csv").write_text("file,transcript\na.mp4,x\nb.mp4,x\nc.mp4,x\nmissing.mp4,x\n")
+    found = plan(folder(tmp_path, {}, "list.csv"), shards=1)
+    assert len(found.utterances["0"]) == 4
+    assert found.media["0"] == [str(tmp_path / name) for name in ("a.mp4", "b.mp4", "c.mp4")]
+
+
+ANNA = {f"anna/{n}.mp4": "hello" for n in range(4)}
+BEN = {f"ben/{n}.mp4": "hello" for n in range(3)}
+
+
+def test_what_a_corpus_gives(tmp_path):
+    assert plan(demo(5)).gives == {"video", "audio", "text", "faces", "one_speaker"}
+    both = plan(folder(tmp_path, {**ANNA, **BEN}))
+    assert both.gives == {"video", "audio", "text", "faces"}
+    assert both.speakers == {"anna": "anna", "ben": "ben"}
+    silent = plan(folder(tmp_path / "silent", dict.fromkeys(ANNA, "")))
+    assert silent.gives == {"video", "audio", "faces", "one_speaker"}
+    (tmp_path / "list.tsv").write_text("file\ttranscript\temotion\na.mp4\tx\thappy\nb.mp4\ty\nc.mp4\tz\n")
+    assert "emotion" in plan(folder(tmp_path, {}, "list.tsv")).gives
+
+
+def test_one_of_several_speakers_is_selected(tmp_path):
+    given = folder(tmp_path, {**ANNA, **BEN})
+    anna = plan({**given, "speaker": "anna"})
+    assert list(anna.split) == [f"anna-{n}" for n in range(4)] and anna.speakers == {"anna": "anna"}
+    assert "one_speaker" in anna.gives
+    with pytest.raises(CorpusError, match="speaker 'Anna' .* there are anna, ben. Set `speaker` to one of them"):
+        plan({**given, "speaker": "Anna"})
+
+
+def test_the_split_is_stratified_by_speaker(tmp_path):
+    found = plan(folder(tmp_path, {**ANNA, **BEN}))
+    for speaker in ("anna", "ben"):
+        assert {found.split[name] for name in found.split if name.startswith(speaker)} == {
+            "train",
+            "validation",
+            "test",
+        }
+    with pytest.raises(CorpusError, match="the speaker 'carl' has 1 utterances. Give at least three"):
+        plan(folder(tmp_path, {"carl/0.mp4": "hello"}))
+
+
+def test_speakers_have_file_names_of_their_own(tmp_path):
+    (tmp_path / "list.csv").write_text(
+        "file,transcript,speaker\n" + "".join(f"{n}.mp4,x,{name}\n" for n, name in enumerate(["a b"] * 3 + ["c"] * 3))
+    )
+    assert plan(folder(tmp_path, {}, "list.csv")).speakers == {"a_b": "a b", "c": "c"}
+    (tmp_path / "list.csv").write_text(
+        "file,transcript,speaker\n" + "".join(f"{n}.mp4,x,{name}\n" for n, name in enumerate(["a b"] * 3 + ["a_b"] * 3))
+    )
+    with pytest.raises(CorpusError, match="'a b' and 'a_b' of the corpus mine differ only in characters"):
+        plan(folder(tmp_path, {}, "list.csv"))
+
+
+def test_the_hold_ends_with_its_process_however_it_ends(tmp_path):
+    code = (
+        "import sys, time; from visualspeech.planning.corpora import hold; "
+        f"lock = hold({str(tmp_path)!r}); print('held', flush=True); time.sleep(60)"
+    )
+    environment = {**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)}
+    other = subprocess.Popen([sys.executable, "-c", code], stdout=subprocess.PIPE, text=True, env=environment)
+    assert other.stdout.readline() == "held\n"
+    with pytest.raises(StorageError, match="another run is using"):
+        hold(tmp_path)
+    other.kill()
+    other.wait()
+    hold(tmp_path).close()
+
+
+def test_a_file_in_the_place_of_the_results_is_a_sentence(tmp_path):
+    (tmp_path / "results").write_text("")
+    with pytest.raises(StorageError, match="cannot write to the results folder"):
+        hold(tmp_path / "results")
+    assert os.path.isfile(tmp_path / "results")

@@ -1,0 +1,146 @@
+"""What re-trains what: digests of a row's code after changes to a copy of the library."""
+
+import shutil
+
+import pytest
+
+from tests.paths import REPOSITORY
+from visualspeech import provenance
+from visualspeech.features.blocks.base import block_kinds, block_module
+from visualspeech.models.registry import FAMILIES
+
+TRAIN = REPOSITORY / "workflow" / "scripts" / "train_model.py"
+#: Family of a row and the kinds of the blocks that it reads.
+ROWS = {
+    "stack": ("stack", ["triphone_state"]),
+    "rich": ("stack", ["triphone_state", "label_parts"]),
+    "hmm": ("hmm", ["phone_track"]),
+    "lookup": ("lookup", ["triphone_state"]),
+    "mean": ("mean", []),
+}
+
+
+@pytest.fixture
+def package(tmp_path, monkeypatch):
+    """A copy of the library that may be edited, and the digests of all rows from it."""
+    copy = shutil.copytree(provenance.PACKAGE, tmp_path / "visualspeech", ignore=shutil.ignore_patterns("__pycache__"))
+    monkeypatch.setattr(provenance, "PACKAGE", copy)
+    yield copy
+    forget()
+
+
+def forget():
+    for function in (provenance._syntax, provenance._imported, provenance._data):
+        function.cache_clear()
+
+
+def digests(script=TRAIN):
+    """As another process would make them, with the modules that the rules name (``workflow/rules``)."""
+    forget()
+    return {
+        row: provenance.code_digest(script, FAMILIES[family].module, *map(block_module, kinds))
+        for row, (family, kinds) in ROWS.items()
+    }
+
+
+def edited(package, *parts, text="\n\nADDED = 1\n"):
+    path = package.joinpath(*parts)
+    path.write_text(path.read_text() + text)
+    assert text.strip() in path.read_text()
+
+
+def changed(before, after):
+    return {row for row in before if before[row] != after[row]}
+
+
+def test_the_rows_are_all_families_and_kinds():
+    assert {family for family, _ in ROWS.values()} == {name for name, one in FAMILIES.items() if one.module}
+    assert {kind for _, kinds in ROWS.values() for kind in kinds} == set(block_kinds())
+
+
+def test_the_copy_has_the_digests_of_the_original(package, monkeypatch):
+    of_copy = digests()
+    monkeypatch.setattr(provenance, "PACKAGE", REPOSITORY / "visualspeech")
+    assert digests() == of_copy
+
+
+@pytest.mark.parametrize(
+    ("module", "rows"),
+    [
+        ("models/hmm/family.py", {"hmm"}),
+        ("models/hmm/mge.py", {"hmm"}),
+        ("models/hmm/model.py", {"hmm"}),
+        ("models/hmm/tying.py", {"hmm"}),
+        ("models/stack.py", {"stack", "rich"}),
+        ("models/stack_settings.py", {"stack", "rich"}),
+        ("models/training.py", {"stack", "rich"}),
+        ("models/objectives.py", {"stack", "rich"}),
+        ("models/lookup.py", {"lookup"}),
+        ("models/lookup_settings.py", {"lookup"}),
+        ("models/mean.py", {"mean"}),
+        ("models/registry.py", set()),
+        ("models/rest.py", set()),
+        ("models/inventory.py", set()),
+        ("features/blocks/triphone_state.py", {"stack", "rich", "lookup"}),
+        ("features/blocks/label_parts.py", {"rich"}),
+        ("features/blocks/phone_track.py", {"hmm"}),
+        ("planning/run.py", set()),
+        ("planning/systems.py", set()),
+        ("schema.py", set()),
+        ("features/streams.py", set(ROWS)),
+    ],
+)
+def test_an_edit_reaches_the_rows_that_use_it(package, module, rows):
+    before = digests()
+    edited(package, module)
+    assert changed(before, digests()) == rows
+
+
+@pytest.mark.parametrize("folder", ["evaluation", "animation", "face", "planning", "corpora/demo"])
+def test_other_parts_of_the_library_re_train_nobody(package, folder):
+    before = digests()
+    for path in (package / folder).rglob("*.py"):
+        edited(package, path.relative_to(package))
+    assert changed(before, digests()) == set()
+
+
+def test_a_new_family_re_trains_nobody(package):
+    before = digests()
+    (package / "models" / "forest.py").write_text('FAMILY = "forest"\n\n\ndef fit(task):\n    return 3\n')
+    registry = package / "models" / "registry.py"
+    entry = '    "forest": Family("visualspeech.models.forest"),\n    "mean": Family('
+    registry.write_text(registry.read_text().replace('    "mean": Family(', entry))
+    assert "visualspeech.models.forest" in registry.read_text()
+    assert changed(before, digests()) == set()
+
+
+def test_a_new_kind_of_block_re_trains_nobody(package):
+    before = digests()
+    (package / "features" / "blocks" / "loudness.py").write_text("BLOCK = None\n")
+    assert changed(before, digests()) == set()
+
+
+def test_comments_and_docstrings_re_train_nobody(package):
+    before = digests()
+    edited(package, "models", "stack.py", text="\n# A comment.\n")
+    text = (package / "models" / "stack.py").read_text()
+    (package / "models" / "stack.py").write_text(text.replace('"""Outputs (B, T, N) of a batch."""', '"""Other."""'))
+    assert changed(before, digests()) == set()
+
+
+def test_predicting_and_training_depend_on_their_own_script(package):
+    assert changed(digests(), digests(TRAIN.with_name("predict_model.py"))) == set(ROWS)
+
+
+def test_features_depend_on_their_block_alone(package):
+    def of_blocks():
+        forget()
+        script = TRAIN.with_name("encode_block.py")
+        return {kind: provenance.code_digest(script, block_module(kind)) for kind in block_kinds()}
+
+    before = of_blocks()
+    edited(package, "features", "label_parts.py")
+    assert changed(before, of_blocks()) == {"label_parts"}
+    before = of_blocks()
+    edited(package, "models", "stack.py")
+    assert changed(before, of_blocks()) == set()
