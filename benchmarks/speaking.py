@@ -67,9 +67,8 @@ def speed(bundle: SpeakerBundle, performance, path: Path) -> None:
     wall, spent = time.perf_counter() - start, time.process_time() - spent
     frames = performance.seconds * bundle.background.rate
     size = " x ".join(map(str, bundle.background.size))
-    print(
-        f"{size}: {frames / wall:.0f} frames/s on two cores ({frames / spent:.0f} per core), shown at {bundle.background.rate:g}"
-    )
+    speeds = f"{frames / wall:.0f} frames/s on two cores, {frames / spent:.0f} per core"
+    print(f"{size}: {speeds}; shown at {bundle.background.rate:g}")
 
 
 def silent_frames(text: str, bundle: SpeakerBundle) -> np.ndarray:

@@ -5,8 +5,8 @@ Run: python -m benchmarks.training_data RESULTS SYSTEM [NETWORKS [SHARES]]
 RESULTS is the folder of a corpus (results/grid), SYSTEM a system that was run on it, NETWORKS names of its networks
 with commas between (FBB-128,FBB-64), SHARES denominators (4,2,1): a quarter of the training utterances, drawn at
 random, then half, which contains the quarter, then all. Models are trained with the settings that they have in the run.
-Prints for each share and each model: RMSE(appearance), CORR, and for networks the reduction of RMSE(appearance) against
-the last HMMs.
+Prints for each share and each model: RMSE(appearance), CORR, and for networks the gain: by how much RMSE(appearance) is
+below that of the last HMMs.
 """
 
 from dataclasses import replace
@@ -40,8 +40,8 @@ def main(results: Path, system: str, networks: str = "FBB-128", shares: str = "4
                 learned, validation, test = (examples(ids) for ids in _sets(run.corpus, chosen))
                 rmse, corr = rmse_and_corr(retrained(model, name, learned, validation), test)
             print(
-                f"{count}, {name}: RMSE(appearance) {rmse:.3f}, CORR {corr:.4f}, {1 - rmse / error:.1%} below HMM "
-                f"{hmms.hmm.settings.variant}",
+                f"{count}, {name}: RMSE(appearance) {rmse:.3f}, CORR {corr:.4f}, gain over HMM "
+                f"{hmms.hmm.settings.variant} {1 - rmse / error:.1%}",
                 flush=True,
             )
 
