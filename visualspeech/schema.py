@@ -129,7 +129,8 @@ def _filled(given, schema: Mapping, root: Mapping, where: str):
         fields = section_schema(cls, hidden=hidden)["properties"]
         own = {key: value for key, value in filled.items() if key in fields}
         filled |= with_defaults(cls, own, hidden, where)
-    return filled
+    # In the order of the schema, however the files write them: a job whose settings are the same does not run again.
+    return {key: filled[key] for key in dict.fromkeys((*known, *filled)) if key in filled}
 
 
 def _below(where: str, key) -> str:

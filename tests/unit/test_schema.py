@@ -702,6 +702,12 @@ def test_defaults_are_filled_in_and_what_is_given_stays(schema):
     assert fill_defaults({}, schema)["hmm"]["variants"] == ["hmm_tied"]
 
 
+def test_the_order_in_which_settings_are_written_does_not_matter(schema):
+    one = fill_defaults({"hmm": {"states": 3, "rate": 50.0}, "pairs": {"count": 2}}, schema)
+    other = fill_defaults({"pairs": {"count": 2}, "hmm": {"rate": 50.0, "states": 3}}, schema)
+    assert repr(one) == repr(other)
+
+
 @pytest.mark.parametrize(
     "name", ["os:path", "visualspeech.face.head", "visualspeech.nowhere:X", "visualspeech.face.head:X"]
 )
