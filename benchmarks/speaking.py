@@ -87,7 +87,7 @@ def opening(points: np.ndarray) -> np.ndarray:
 
 
 def steps_away_from_the_mouth(frames, landmarks: np.ndarray) -> np.ndarray:
-    """Mean change of the grey levels of a picture's upper part from one frame to the next."""
+    """Mean change of the grey levels of the upper part of a frame from one frame to the next."""
     import cv2
 
     until = int(np.median(landmarks[:, 33, 1]))

@@ -39,15 +39,15 @@ def faces(count: int) -> np.ndarray:
 
 def triangle_by_triangle(frame: np.ndarray, points: np.ndarray, reference: Reference) -> np.ndarray:
     height, width = reference.nearest.shape
-    picture = np.zeros((height, width, 3), np.uint8)
+    composed = np.zeros((height, width, 3), np.uint8)
     for corners in reference.points.triangles:
         warp = cv2.getAffineTransform(
             points[corners].astype(np.float32), reference.grid_shape[corners].astype(np.float32)
         )
         mask = np.zeros((height, width), np.uint8)
         cv2.fillConvexPoly(mask, np.rint(reference.grid_shape[corners]).astype(np.int32), 1)
-        cv2.copyTo(cv2.warpAffine(frame, warp, (width, height)), mask, picture)
-    return picture[reference.pixels[:, 0], reference.pixels[:, 1]].T.reshape(-1)
+        cv2.copyTo(cv2.warpAffine(frame, warp, (width, height)), mask, composed)
+    return composed[reference.pixels[:, 0], reference.pixels[:, 1]].T.reshape(-1)
 
 
 def speed(name: str, function, count: int) -> float:
@@ -63,19 +63,17 @@ def main(video: str = "") -> None:
     cv2.setNumThreads(1)
     generator = np.random.default_rng(1)
     if video:
-        pictures = list(islice(read_frames(video), FRAMES))
+        frames = list(islice(read_frames(video), FRAMES))
     else:
-        pictures = list(generator.integers(0, 256, (FRAMES, 288, 360, 3), dtype=np.uint8))
-    points = faces(len(pictures))
+        frames = list(generator.integers(0, 256, (FRAMES, 288, 360, 3), dtype=np.uint8))
+    points = faces(len(frames))
     reference = fit_reference([points], POINTS)
     print(f"textures of {reference.size} pixels")
-    ours = speed("sample_texture", lambda i: sample_texture(pictures[i], points[i], reference), len(pictures))
-    plain = speed(
-        "one warp per triangle", lambda i: triangle_by_triangle(pictures[i], points[i], reference), len(pictures)
-    )
+    ours = speed("sample_texture", lambda i: sample_texture(frames[i], points[i], reference), len(frames))
+    plain = speed("one warp per triangle", lambda i: triangle_by_triangle(frames[i], points[i], reference), len(frames))
     print(f"ratio: {ours / plain:.1f}")
-    textures = [sample_texture(picture, at, reference) for picture, at in zip(pictures, points, strict=True)]
-    speed("paint", lambda i: paint(textures[i], points[i], reference, pictures[i]), len(pictures))
+    textures = [sample_texture(frame, at, reference) for frame, at in zip(frames, points, strict=True)]
+    speed("paint", lambda i: paint(textures[i], points[i], reference, frames[i]), len(frames))
     if video:
         begin = time.process_time()
         done = 0
