@@ -65,6 +65,7 @@ localrules:
     tables,
     videos,
     preference,
+    tally,
     speaker,
     speak,
     report,
@@ -145,6 +146,11 @@ rule speak:
 rule preference:
     input:
         for_systems("<system>/preference/videos"),
+
+
+rule tally:
+    input:
+        for_systems("<system>/tables/preference.tsv"),
 
 
 rule report:

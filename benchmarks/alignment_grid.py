@@ -1,21 +1,22 @@
-"""Alignment of GRID: against GRID's own word times, and how well other sentences and sounds without speech are refused.
+"""Forced alignment of GRID against its own word times, and rejection of wrong transcripts and of sound without speech.
 
-``python -m benchmarks.alignment_grid [every] [every for the refusals]`` (take each so-many-th recording, 0 for none;
-default 1 and 4). GRID's own times come from an aligner too, in steps of 10 ms. The first word's onset is weak in both:
-GRID often begins it at a click of the lips or a breath, 0.1 to 0.4 s before the first sound of the word. It is
-therefore also measured against the loudness, an independent witness: the first time that most of 90 ms is loud.
+Run: python -m benchmarks.alignment_grid [EVERY [EVERY_REJECTED]]
 
-Refusals: a transcript with every word wrong (a recording whose six words all differ), one word wrong, words added at
-the end, words left out, a sentence out of another world, half of the recording, noise, tones, a hum.
+Aligns every EVERY-th recording (1), and every EVERY_REJECTED-th one (4) with a wrong transcript or sound; 0 for none.
+GRID's own times come from an aligner too, in steps of 10 ms. Both are weakest at the onset of the first word: GRID
+often begins it at a click of the lips or a breath, 0.1 to 0.4 s before the first sound of the word. That onset is
+therefore also measured against the loudness: the first time at which most of 90 ms is loud.
+
+Rejection: a transcript with every word wrong (of a recording whose six words all differ), one word wrong, words added
+at the end, words left out, an unrelated sentence, half of the recording, noise, tones, a hum.
 """
 
-import sys
 import time
 from collections import Counter
 
 import numpy as np
 
-from tests.paths import grid_root
+from benchmarks.command import grid, run_main
 from visualspeech.corpora.grid import utterances
 from visualspeech.errors import RejectedUtterance
 from visualspeech.media.reading import read_audio
@@ -51,14 +52,14 @@ def accuracy(corpus, truth) -> None:
     for utterance in corpus:
         samples = sound(utterance)
         seconds += len(samples) / RATE
-        start = time.process_time()
+        begin = time.process_time()
         try:
             alignment = aligner.align(samples, utterance.transcript)
         except RejectedUtterance as error:
             rejected.append(f"{utterance.id}: {error}")
             continue
         finally:
-            used += time.process_time() - start
+            used += time.process_time() - begin
         found = [word for word in alignment.words if word.label != "sil"]
         true = truth[utterance.id]
         errors.append([(a.start - b[1], a.end - b[2]) for a, b in zip(found, true, strict=True)])
@@ -68,7 +69,7 @@ def accuracy(corpus, truth) -> None:
     errors, onsets = 1000 * np.array(errors), 1000 * np.array(onsets)
     size = np.abs(errors)
     print(f"aligned: {len(errors)} of {len(corpus)} ({len(errors) / len(corpus):.1%}), ", end="")
-    print(f"{seconds / used:.0f} s of sound a second")
+    print(f"{seconds / used:.0f} s of sound per second")
     for line in rejected:
         print(f"  {line}")
     print(f"word boundaries against GRID, ms: median {np.median(size):.1f}, mean {size.mean():.1f}, ", end="")
@@ -119,7 +120,7 @@ def wrong_pairs(corpus, truth, every: int) -> dict:
         "digit wrong": lambda one: (sound(one), one_word(one, 4)),
         "three words too many": lambda one: (sound(one), f"{one.transcript} and then turn right"),
         "last two words missing": lambda one: (sound(one), " ".join(texts[one.id][:-2])),
-        "another world's sentence": lambda one: (sound(one), OTHER[random.integers(len(OTHER))]),
+        "unrelated sentence": lambda one: (sound(one), OTHER[random.integers(len(OTHER))]),
         "half of the recording": lambda one: ((samples := sound(one))[: len(samples) // 2], one.transcript),
         "noise": lambda one: (random.normal(0, random.choice([3, 300, 3000]), 3 * RATE), one.transcript),
         "tones": lambda one: (tones(one), one.transcript),
@@ -129,8 +130,8 @@ def wrong_pairs(corpus, truth, every: int) -> dict:
     return {kind: map(pair, corpus[::every]) for kind, pair in pairs.items()}
 
 
-def refusals(corpus, truth, every: int) -> None:
-    print("refused:")
+def rejections(corpus, truth, every: int) -> None:
+    print("rejected:")
     aligner = Aligner()
     for kind, pairs in wrong_pairs(corpus, truth, every).items():
         reasons = Counter()
@@ -146,17 +147,14 @@ def refusals(corpus, truth, every: int) -> None:
         print(f"  {kind}: {share:.0%}   {dict(reasons)}", flush=True)
 
 
-def main() -> None:
-    root = grid_root()
-    if root is None:
-        sys.exit("GRID is not here: set GRID_ROOT to the folder that holds s1/ and alignments/.")
-    every, sparse = (int(value) for value in (sys.argv[1:] + ["1", "4"][len(sys.argv) - 1 :])[:2])
+def main(every: int = 1, every_rejected: int = 4) -> None:
+    root = grid()
     corpus, truth = utterances({"name": "grid", "root": str(root)}), true_words(root)
     if every:
         accuracy(corpus[::every], truth)
-    if sparse:
-        refusals(corpus, truth, sparse)
+    if every_rejected:
+        rejections(corpus, truth, every_rejected)
 
 
 if __name__ == "__main__":
-    main()
+    run_main(main, __doc__)

@@ -1,10 +1,12 @@
 """Figures of the demo corpus: recording speed, and the face tracker against the truth.
 
-``python benchmarks/demo_corpus.py [utterances]`` records that many (default 6) in a temporary folder.
+Run: python -m benchmarks.demo_corpus [UTTERANCES]
+
+Records so many utterances (6) in a temporary folder. Prints milliseconds of processor time per recorded frame, the
+number of frames without exactly one detected face, and the opening of the lips as tracked against the true one.
 """
 
 import importlib.util
-import sys
 import tempfile
 import time
 from pathlib import Path
@@ -13,6 +15,7 @@ import cv2
 import dlib
 import numpy as np
 
+from benchmarks.command import run_main
 from visualspeech.corpora.demo.listing import utterances
 from visualspeech.corpora.demo.recording import read_truth, record_shard
 from visualspeech.media.reading import read_frames
@@ -38,26 +41,32 @@ def tracked_points(media: str) -> tuple[np.ndarray, list[int]]:
     return np.array(points), faces
 
 
-with tempfile.TemporaryDirectory() as folder:
-    listed = utterances({"root": folder, "utterances": int(sys.argv[1]) if len(sys.argv) > 1 else 6})
-    began, used = time.monotonic(), time.process_time()
-    record_shard(listed, folder, f"{folder}/truth.h5")
-    seconds, processor = time.monotonic() - began, time.process_time() - used
-    faces, tracked, true, closed = [], [], [], []
-    with ArrayReader(f"{folder}/truth.h5") as reader:
-        for utterance in listed:
-            truth = read_truth(reader, utterance.id)
-            points, found = tracked_points(utterance.media)
-            one = np.array(found) == 1
-            faces += found
-            tracked.append((points[:, LOWER, 1] - points[:, UPPER, 1]).mean(axis=1))
-            true.append((truth.points[one][:, LOWER, 1] - truth.points[one][:, UPPER, 1]).mean(axis=1))
-            closed.append(truth.parameters[one, 0] <= 0)
-    tracked, true, closed = (np.concatenate(parts) for parts in (tracked, true, closed))
-    print(
-        f"{len(faces)} frames recorded in {seconds:.1f} s ({1000 * processor / len(faces):.1f} ms of processor a frame)"
-    )
-    print(f"frames without exactly one face: {sum(count != 1 for count in faces)}")
-    print(f"lip opening, tracked against true: r = {np.corrcoef(tracked, true)[0, 1]:.3f}")
-    wide = true > 8
-    print(f"median tracked: closed {np.median(tracked[closed]):.1f} px, wide open {np.median(tracked[wide]):.1f} px")
+def main(count: int = 6) -> None:
+    with tempfile.TemporaryDirectory() as folder:
+        listed = utterances({"root": folder, "utterances": count})
+        began, used = time.monotonic(), time.process_time()
+        record_shard(listed, folder, f"{folder}/truth.h5")
+        seconds, processor = time.monotonic() - began, time.process_time() - used
+        faces, tracked, true, closed = [], [], [], []
+        with ArrayReader(f"{folder}/truth.h5") as reader:
+            for utterance in listed:
+                truth = read_truth(reader, utterance.id)
+                points, found = tracked_points(utterance.media)
+                one = np.array(found) == 1
+                faces += found
+                tracked.append((points[:, LOWER, 1] - points[:, UPPER, 1]).mean(axis=1))
+                true.append((truth.points[one][:, LOWER, 1] - truth.points[one][:, UPPER, 1]).mean(axis=1))
+                closed.append(truth.parameters[one, 0] <= 0)
+        tracked, true, closed = (np.concatenate(parts) for parts in (tracked, true, closed))
+        print(
+            f"{len(faces)} frames recorded in {seconds:.1f} s, "
+            f"{1000 * processor / len(faces):.1f} ms of processor time per frame"
+        )
+        print(f"frames without exactly one face: {sum(count != 1 for count in faces)}")
+        print(f"lip opening, tracked against true: r = {np.corrcoef(tracked, true)[0, 1]:.3f}")
+        shut, wide = np.median(tracked[closed]), np.median(tracked[true > 8])
+        print(f"median tracked opening: closed {shut:.1f} px, wide open {wide:.1f} px")
+
+
+if __name__ == "__main__":
+    run_main(main, __doc__)

@@ -1,18 +1,19 @@
 """EM-PCA beside a randomised SVD (Halko, Martinsson and Tropp 2011): energy held, seconds, memory.
 
-Run: python benchmarks/empca.py [rows] [values] [components]        (20000 18000 100 by default)
+Run: python -m benchmarks.empca [ROWS [VALUES [COMPONENTS]]]
 
-The rows are like textures: a spectrum that falls slowly, and noise, on a file. EM-PCA reads it in chunks. The
-randomised SVD (range finder, four power iterations) needs all rows in memory, so memory is reported before it starts.
+ROWS rows (20000) of VALUES values (18000) are reduced to COMPONENTS components (100). The rows are like textures, with
+a spectrum that falls slowly, and noise; they lie in a file, which EM-PCA reads in chunks. The randomised SVD (range
+finder, four power iterations) needs all rows in memory, so memory is reported before it starts.
 """
 
 import resource
-import sys
 import tempfile
 import time
 
 import numpy as np
 
+from benchmarks.command import run_main
 from visualspeech.face.aam.empca import em_pca
 from visualspeech.face.aam.rows import RowFile
 
@@ -48,17 +49,17 @@ def main(count: int = 20000, dimension: int = 18000, components: int = 100) -> N
     with tempfile.TemporaryDirectory() as folder:
         rows = made_rows(folder, count, dimension)
         print(f"{count} x {dimension}, {components} components; memory before: {memory_gb():.2f} GB")
-        start = time.perf_counter()
+        begin = time.perf_counter()
         ours = em_pca(rows, components=components)
-        print(f"EM-PCA          {time.perf_counter() - start:6.1f} s, energy {ours.energy:.6f}, {memory_gb():.2f} GB")
-        start = time.perf_counter()
+        print(f"EM-PCA          {time.perf_counter() - begin:6.1f} s, energy {ours.energy:.6f}, {memory_gb():.2f} GB")
+        begin = time.perf_counter()
         variances = randomised_svd(rows, components)
         energy = variances.sum() / ours.total_variance
-        print(f"randomised SVD  {time.perf_counter() - start:6.1f} s, energy {energy:.6f}, {memory_gb():.2f} GB")
+        print(f"randomised SVD  {time.perf_counter() - begin:6.1f} s, energy {energy:.6f}, {memory_gb():.2f} GB")
         print(f"ratio of the energies, ours to theirs: {ours.energy / energy:.6f}")
         worst = np.abs(ours.components @ ours.components.T - np.eye(components)).max()
         print(f"largest departure from orthonormal components: {worst:.1e}")
 
 
 if __name__ == "__main__":
-    main(*map(int, sys.argv[1:]))
+    run_main(main, __doc__)

@@ -1,16 +1,16 @@
-"""Speed and steadiness of the landmarks on GRID, and which recordings are screened out.
+"""Speed and jitter of landmark tracking on GRID, and which recordings the screening rejects.
 
-``python -m benchmarks.landmarks_grid [every]`` (every: take each so-many-th recording; default 4). Times are process
-CPU times of this one process, decoding included. Where other processes share caches and memory they still count, so
-the fastest quarter of the recordings is given beside the mean.
+Run: python -m benchmarks.landmarks_grid [EVERY]
+
+Tracks every EVERY-th recording (4). Times are processor time of this process, decoding included. Other processes slow
+it down through shared caches and memory, so the fastest quarter of the recordings is given beside the mean.
 """
 
-import sys
 import time
 
 import numpy as np
 
-from tests.paths import grid_root
+from benchmarks.command import grid, run_main
 from visualspeech.errors import RejectedUtterance
 from visualspeech.face.dlib_tracker import DlibTracker
 from visualspeech.face.screening import landmark_steps, track_screened
@@ -26,7 +26,7 @@ def jitter(points: np.ndarray, part: str) -> float:
 
 
 class EveryFrame(DlibTracker):
-    """The plain way: detect in every frame."""
+    """For comparison: detection in every frame."""
 
     def next(self, frame):
         self._box = None
@@ -35,34 +35,30 @@ class EveryFrame(DlibTracker):
 
 
 def counted(frames, passed):
-    """The frames, counted in ``passed[0]`` on their way."""
+    """The frames, counted in ``passed[0]``."""
     for frame in frames:
         passed[0] += 1
         yield frame
 
 
 def detect_every_frame(files, settings) -> float:
-    """Frames a second when the face is searched for anew in every frame."""
-    start, frames = time.process_time(), 0
+    """Frames per second with detection in every frame."""
+    begin, frames = time.process_time(), 0
     for file in files:
         tracker = EveryFrame(settings, 25.0)
         for frame in read_frames(file):
             tracker.next(frame)
             frames += 1
-    return frames / (time.process_time() - start)
+    return frames / (time.process_time() - begin)
 
 
-def main() -> None:
-    root = grid_root()
-    if root is None:
-        sys.exit("GRID is not here: set GRID_ROOT to the folder that holds s1/*.mpg.")
-    every = int(sys.argv[1]) if len(sys.argv) > 1 else 4
-    files = sorted((root / "s1").glob("*.mpg"))[::every]
+def main(every: int = 4) -> None:
+    files = sorted((grid() / "s1").glob("*.mpg"))[::every]
     settings = LandmarkSettings()
     plain = detect_every_frame(files[:6], settings)
     frames, seconds, tracked, rejected, step = [], [], [], {}, []
     for file in files:
-        start = time.process_time()
+        begin = time.process_time()
         passed = [0]
         try:
             landmarks = track_screened(counted(read_frames(file), passed), 25.0, settings)
@@ -71,15 +67,15 @@ def main() -> None:
         else:
             tracked.append(landmarks.points)
             step.append(landmark_steps(landmarks.points).max())
-        seconds.append(time.process_time() - start)
+        seconds.append(time.process_time() - begin)
         frames.append(passed[0])
     speed = sum(frames) / sum(seconds)
     fastest = np.percentile(np.array(frames) / np.array(seconds), 75)
     print(
-        f"{len(files)} recordings, {sum(frames)} frames: {speed:.0f} frames/s a core with tracking, screening and "
+        f"{len(files)} recordings, {sum(frames)} frames: {speed:.0f} frames/s per core with tracking, screening and "
         f"decoding; {fastest:.0f} in the fastest quarter"
     )
-    print(f"searching every frame: {plain:.0f} frames/s; ratio {speed / plain:.1f}")
+    print(f"detection in every frame: {plain:.0f} frames/s; ratio {speed / plain:.1f}")
     for part in PARTS:
         print(f"jitter {part:5s} {np.mean([jitter(points, part) for points in tracked]):.3f} px mean second difference")
     print(f"kept: largest step {max(step):.2%} of the face's width")
@@ -89,4 +85,4 @@ def main() -> None:
 
 
 if __name__ == "__main__":
-    main()
+    run_main(main, __doc__)

@@ -1,21 +1,22 @@
 """AAM fitting beside menpofit 0.7.1: the same training and test frames, the same start, one thread each, in one run.
 
-``python -m benchmarks.menpofit PYTHON [pixels]``, where PYTHON is the interpreter of an environment of its own::
+Run: python -m benchmarks.menpofit PYTHON [PIXELS]
+
+PYTHON is the interpreter of a separate environment, PIXELS the size of our texture (4100)::
 
     python3.11 -m venv menpofit-env && menpofit-env/bin/pip install -r benchmarks/menpofit-requirements.txt
-    OMP_NUM_THREADS=1 python -m benchmarks.menpofit menpofit-env/bin/python
+    python -m benchmarks.menpofit menpofit-env/bin/python
 
-80 frames of 10 GRID recordings train a grey AAM of the whole face (68 points, 15 shape and 30 texture modes, about
-4,100 pixels); it is fitted to the 75 frames of another recording. The start is the mean shape under the similarity that
-fits the landmarks best, moved by Gaussian noise of 3 pixels. Both sides fit on one scale as menpofit's script does, and
-ours a second time from coarse to fine. Printed are frames a second (of wall clock; of processor time in brackets), mean
-distance to the landmarks in pixels, the root mean square in grey levels that each side's own texture model leaves at
-its points, and what one and the same model (ours) leaves at the points of either; then ratios, ours to menpofit's.
+80 frames of 10 GRID recordings train a grey AAM of the whole face (68 points, 15 shape and 30 texture modes); it is
+fitted to the 75 frames of another recording. The start is the mean shape under the similarity that fits the landmarks
+best, moved by Gaussian noise of 3 pixels. Both sides fit on one scale as menpofit's script does, and ours a second time
+from coarse to fine. Prints frames per second (of wall clock; of processor time in brackets), mean distance to the
+landmarks in pixels, the root mean square residual in grey levels of each side's own texture model at its points, and
+that of one model (ours) at the points of either; then ratios, ours to menpofit's.
 """
 
 import os
 import subprocess
-import sys
 import tempfile
 import time
 from pathlib import Path
@@ -23,7 +24,7 @@ from pathlib import Path
 import cv2
 import numpy as np
 
-from tests.paths import grid_root
+from benchmarks.command import grid, run_main
 from visualspeech.errors import RejectedUtterance
 from visualspeech.face.aam.empca import em_pca, pca
 from visualspeech.face.aam.fitting import FittingModel, FittingSettings, fit
@@ -38,12 +39,12 @@ DIAGONAL, PIXELS = 100, 4100
 SHAPE_MODES, TEXTURE_MODES, ITERATIONS = 15, 30, 10
 TRAINING, EACH, SPREAD = 10, 8, 3.0
 VARIANTS = ("alternating", "project_out")
-PASSES = 5  # of ours, which takes too short a time to be measured in one
+PASSES = 5  # of our fitting, too fast to be measured in one
 
 
 def recordings(count: int):
     """Grey frames (T, height, width) and landmarks (T, 68, 2) of the first recordings with a face in every frame."""
-    for path in sorted((grid_root() / "s1").glob("*.mpg")):
+    for path in sorted((grid() / "s1").glob("*.mpg")):
         frames = list(read_frames(path))
         try:
             tracked = track(frames, rate=25.0)
@@ -94,7 +95,7 @@ def ready(mesh: Mesh, shape, texture, **settings) -> FittingModel:
 
 
 def left_of(frames, points, mesh, texture) -> np.ndarray:
-    """Root mean square in grey levels (n,) of what the texture model leaves of the faces at some points."""
+    """Root mean square residual of the texture model in grey levels (n,), of the faces at some points."""
     away = textures(frames, points, mesh) - texture.mean
     away = away - (away @ texture.components.T) @ texture.components
     return np.sqrt(np.square(away).mean(axis=1))
@@ -122,13 +123,13 @@ def row(name: str, rate: tuple[float, float], points, truth, own, common) -> tup
     return *rate, distance, own.mean(), common.mean()
 
 
-def main(python: str, pixels: str = str(PIXELS)) -> None:
+def main(python: str, pixels: int = PIXELS) -> None:
     cv2.setNumThreads(1)
     (test, truth), *others = recordings(TRAINING + 1)
     chosen = [np.linspace(1, len(frames) - 1, EACH).astype(int) for frames, _ in others]
     frames = np.concatenate([f[pick] for (f, _), pick in zip(others, chosen, strict=True)])
     points = np.concatenate([p[pick] for (_, p), pick in zip(others, chosen, strict=True)])
-    mesh, shape, texture = train(frames, points, int(pixels))
+    mesh, shape, texture = train(frames, points, pixels)
     space = ready(mesh, shape, texture).shapes
     similarity, _ = space.parameters(truth)
     starts = space.points(similarity, np.zeros((len(truth), len(space.modes))))
@@ -139,7 +140,7 @@ def main(python: str, pixels: str = str(PIXELS)) -> None:
     begin = np.linalg.norm(starts - truth, axis=2).mean()
     print(
         f"{len(frames)} training frames, {len(test)} test frames; pixels: {int(other['pixels'])} menpofit, "
-        f"{mesh.size} ours; start {begin:.2f} px off; at the landmarks our texture model leaves "
+        f"{mesh.size} ours; start {begin:.2f} px off; residual of our texture model at the landmarks "
         f"{left_of(test, truth, mesh, texture).mean():.2f} grey levels"
     )
     for variant in VARIANTS:
@@ -168,9 +169,9 @@ def main(python: str, pixels: str = str(PIXELS)) -> None:
                 "  ratios: frames/s {:.1f} ({:.1f}), points {:.2f}, reconstruction {:.2f}, by one model {:.2f}".format(
                     *ratios
                 )
-                + f"; {found.iterations.mean():.1f} steps a frame, {found.diverged.sum()} diverged"
+                + f"; {found.iterations.mean():.1f} iterations per frame, {found.diverged.sum()} diverged"
             )
 
 
 if __name__ == "__main__":
-    main(*sys.argv[1:])
+    run_main(main, __doc__)

@@ -33,7 +33,7 @@ def cloud(points):
 
 
 def reconstruction_errors(aam, images, shapes):
-    """Root mean square of what the texture model leaves of each face, read from the picture as it is."""
+    """Root mean square residual of the texture model for each face, read from the frame as it is."""
     model = aam.appearance_models[-1]
     template = model.template_instance
     source = template.landmarks["source"]

@@ -1,21 +1,22 @@
-"""How still the head is after normalisation on GRID, beside simpler ways, and what the assumed focal length matters.
+"""How still the head is after pose normalisation on GRID, beside simpler methods; effect of the assumed focal length.
 
-``python -m benchmarks.pose_grid [every]`` (every: take each so-many-th recording; default 8). The figures, in pixels:
+Run: python -m benchmarks.pose_grid [EVERY]
+
+Reads every EVERY-th recording (8). The figures, in pixels:
 
 - rigid: RMS movement of the 13 rigid points around their own means, within recordings
-- everywhere: the same around their means over all recordings, so that leaning and moving the chair count
-- jitter: mean length of the second difference in time
+- everywhere: the same around their means over all recordings, which includes changes of posture between them
+- jitter: mean length of the second difference over time
 - spread: RMS movement of a part around its mean, within recordings
 """
 
-import sys
 import time
 from dataclasses import replace
 
 import numpy as np
 
+from benchmarks.command import grid, run_main
 from benchmarks.landmarks_grid import PARTS, jitter
-from tests.paths import grid_root
 from visualspeech.errors import RejectedUtterance
 from visualspeech.face.head import PoseSettings, fit_head
 from visualspeech.face.pose import estimate, rigid_error, to_frontal, to_image
@@ -24,8 +25,8 @@ from visualspeech.face.tracker import RIGID
 from visualspeech.media.reading import read_frames
 
 
-def normalised_by_a_plane_map(points: np.ndarray, goal: np.ndarray, affine: bool) -> np.ndarray:
-    """Frames (T, 68, 2) brought onto the goal's rigid points by the best similarity or affine map of each frame."""
+def normalised_in_the_plane(points: np.ndarray, goal: np.ndarray, affine: bool) -> np.ndarray:
+    """Frames (T, 68, 2), each mapped onto the goal's rigid points by the best similarity or affine transform."""
     moved = np.empty_like(points)
     for number, frame in enumerate(points):
         seen, wanted = frame[RIGID], goal[RIGID]
@@ -62,50 +63,46 @@ def show(name: str, recordings: list[np.ndarray]) -> None:
 RATE = 25.0  # Hz, of GRID
 
 
-def main() -> None:
-    root = grid_root()
-    if root is None:
-        sys.exit("GRID is not here: set GRID_ROOT to the folder that holds s1/*.mpg.")
-    every = int(sys.argv[1]) if len(sys.argv) > 1 else 8
+def main(every: int = 8) -> None:
     recordings = []
-    for file in sorted((root / "s1").glob("*.mpg"))[::every]:
+    for file in sorted((grid() / "s1").glob("*.mpg"))[::every]:
         try:
             recordings.append(track_screened(read_frames(file), RATE).points.astype(float))
         except RejectedUtterance as error:
-            print(f"left out {file.stem}: {error.reason}")
+            print(f"rejected {file.stem}: {error.reason}")
     sample = np.concatenate([points[5::10] for points in recordings])
-    start = time.process_time()
+    begin = time.process_time()
     head = fit_head(sample, (360, 288))
-    fitted = time.process_time() - start
-    start = time.process_time()
+    fitted = time.process_time() - begin
+    begin = time.process_time()
     poses = [estimate(points, head, rate=RATE) for points in recordings]
     frontal = [to_frontal(points, pose, head) for points, pose in zip(recordings, poses, strict=True)]
-    speed = sum(map(len, recordings)) / (time.process_time() - start)
+    speed = sum(map(len, recordings)) / (time.process_time() - begin)
     back = max(
         np.abs(to_image(flat, pose, head) - points).max()
         for flat, pose, points in zip(frontal, poses, recordings, strict=True)
     )
-    print(f"{len(recordings)} recordings; head fitted in {fitted:.1f} s, poses at {speed:.0f} frames/s a core")
-    print(f"there and back: {back:.1e} px; worst recording {max(rigid_error(f, head) for f in frontal):.2f} px")
+    print(f"{len(recordings)} recordings; head fitted in {fitted:.1f} s, poses at {speed:.0f} frames/s per core")
+    print(f"round trip: {back:.1e} px; worst recording {max(rigid_error(f, head) for f in frontal):.2f} px")
     names = [f"jit.{part}" for part in PARTS] + [f"sp.{part}" for part in PARTS]
     print(f"{'':16s} {'rigid':>6s} {'worst':>6s} {'everywhere':>10s} " + " ".join(f"{n[:7]:>7s}" for n in names))
     show("recorded", recordings)
     show("head pose", frontal)
     goal = head.mean_points
-    show("similarity", [normalised_by_a_plane_map(points, goal, False) for points in recordings])
-    show("affine", [normalised_by_a_plane_map(points, goal, True) for points in recordings])
+    show("similarity", [normalised_in_the_plane(points, goal, False) for points in recordings])
+    show("affine", [normalised_in_the_plane(points, goal, True) for points in recordings])
     for focal in (1.0, 4.0):
         other = fit_head(sample, (360, 288), replace(PoseSettings(), focal_length=focal))
         show(
             f"focal {focal:g}", [to_frontal(points, estimate(points, other, rate=RATE), other) for points in recordings]
         )
-    for rotation, place in ((0.0, 0.0), (0.16, 0.04)):
-        settings = replace(PoseSettings(), rotation_smoothing=rotation, translation_smoothing=place)
+    for rotation, translation in ((0.0, 0.0), (0.16, 0.04)):
+        settings = replace(PoseSettings(), rotation_smoothing=rotation, translation_smoothing=translation)
         show(
-            f"smoothed {rotation:g}, {place:g} s",
+            f"smoothed {rotation:g}, {translation:g} s",
             [to_frontal(points, estimate(points, head, settings, rate=RATE), head) for points in recordings],
         )
 
 
 if __name__ == "__main__":
-    main()
+    run_main(main, __doc__)

@@ -1,15 +1,17 @@
-"""Frames a second of the talking head, on one core, for two sizes of picture.
+"""Frames per second of rendering the talking head, on one core, for two frame sizes.
 
-``python -m benchmarks.rendering [frames]``: a drawn face with a moving mouth and a texture of 6000 pixels; the face
-fills the picture as it does in GRID (100 pixels wide in 360 x 288). Times are process CPU times of this process.
+Run: python -m benchmarks.rendering [FRAMES]
+
+FRAMES frames (150) of a drawn face with a moving mouth and a texture of 6000 pixels; the face fills the frame as it
+does in GRID (100 pixels wide in 360 x 288). Times are processor time of this process.
 """
 
-import sys
 import time
 
 import cv2
 import numpy as np
 
+from benchmarks.command import run_main
 from tests.unit.animation.faces import POINTS, draw, points68, reference
 from visualspeech.animation.rendering import Placement, talking_head
 from visualspeech.animation.video import Panel, side_by_side
@@ -18,8 +20,7 @@ from visualspeech.face.aam.reference import sample_texture
 SIZES = ((360, 288), (720, 576))
 
 
-def main() -> None:
-    count = int(sys.argv[1]) if len(sys.argv) > 1 else 150
+def main(count: int = 150) -> None:
     cv2.setNumThreads(1)
     texture_grid = reference(6000)
     for width, height in SIZES:
@@ -36,12 +37,14 @@ def main() -> None:
             sample_texture(draw(points, size=(width, height)), POINTS.select(points), texture_grid)
             for points in targets
         ]
-        start = time.process_time()
+        begin = time.process_time()
         stream = talking_head((frame for _ in range(count)), placement, textures, texture_grid, rate=25.0)
         rendered = sum(1 for _ in side_by_side([Panel("prediction", stream)]))
-        spent = time.process_time() - start
-        print(f"{width} x {height}: {rendered / spent:.0f} frames/s a panel, {1000 * spent / rendered:.1f} ms a frame")
+        spent = time.process_time() - begin
+        print(
+            f"{width} x {height}: {rendered / spent:.0f} frames/s per panel, {1000 * spent / rendered:.1f} ms per frame"
+        )
 
 
 if __name__ == "__main__":
-    main()
+    run_main(main, __doc__)

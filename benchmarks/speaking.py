@@ -1,10 +1,12 @@
 """What speaking costs and how it looks, of a speaker that the workflow's target `speaker` has written.
 
-``python -m benchmarks.speaking results/grid/fan2015/speakers/FBB-128 [seconds]``: frames a second of the whole way from
-parameters to the encoded file, at the size of the recordings and at 720 pixels' width (the same pictures enlarged);
-peak memory of a short and of a long text, each in a process of its own; the opening of the mouth in silence, tracked in
-the video, against that of the face at rest; and the largest change from frame to frame away from the mouth, against the
-recordings' own.
+Run: python -m benchmarks.speaking SPEAKER [SECONDS]
+
+SPEAKER is the folder of a speaker (results/grid/fan2015/speakers/FBB-128), SECONDS the duration of a long text (300).
+Prints frames per second from parameters to the encoded file, at the size of the recordings and at a width of 720
+pixels (the same frames enlarged); the change from frame to frame away from the mouth, against that of the recordings;
+the opening of the mouth in silence, tracked in the video, against that of the face at rest; and peak memory of a text
+of 10 seconds and of the long one, each in a process of its own.
 """
 
 import json
@@ -18,6 +20,7 @@ from pathlib import Path
 
 import numpy as np
 
+from benchmarks.command import run_main
 from visualspeech.animation.background import QUALITY, Background
 from visualspeech.animation.bundle import SpeakerBundle
 from visualspeech.animation.performance import REST, pause_weights, perform
@@ -34,7 +37,7 @@ SENTENCES = (
 
 
 def text_of(seconds: float) -> str:
-    """A text that takes about so long to say."""
+    """A text of about this duration."""
     return SENTENCES * max(1, round(seconds / 21))
 
 
@@ -58,17 +61,18 @@ def enlarged(bundle: SpeakerBundle, width: int) -> SpeakerBundle:
 
 
 def speed(bundle: SpeakerBundle, performance, path: Path) -> None:
-    """Print frames a second of the pictures and their encoding."""
+    """Print frames per second of rendering and encoding."""
     start, spent = time.perf_counter(), time.process_time()
     speak(path, performance, bundle, "synthetic")
     wall, spent = time.perf_counter() - start, time.process_time() - spent
     frames = performance.seconds * bundle.background.rate
     size = " x ".join(map(str, bundle.background.size))
-    print(f"{size}: {frames / wall:.0f} frames/s on two cores ({frames / spent:.0f} a core), playing at 25")
+    speeds = f"{frames / wall:.0f} frames/s on two cores, {frames / spent:.0f} per core"
+    print(f"{size}: {speeds}; shown at {bundle.background.rate:g}")
 
 
 def silent_frames(text: str, bundle: SpeakerBundle) -> np.ndarray:
-    """Frames of a performance of a text that lie deep in pauses, (T,) bool."""
+    """Frames of the performance of a text at which the face is wholly at rest, (T,) bool."""
     found, rate = [], bundle.trained.rate
     for one in speak_text(text, shares=bundle.shares):
         frames = max(1, int(np.ceil(len(one.samples) / one.rate * rate - 1e-6)))
@@ -83,7 +87,7 @@ def opening(points: np.ndarray) -> np.ndarray:
 
 
 def steps_away_from_the_mouth(frames, landmarks: np.ndarray) -> np.ndarray:
-    """Mean change of the grey levels of a picture's upper part from one frame to the next."""
+    """Mean change of the grey levels of the upper part of a frame from one frame to the next."""
     import cv2
 
     until = int(np.median(landmarks[:, 33, 1]))
@@ -92,15 +96,15 @@ def steps_away_from_the_mouth(frames, landmarks: np.ndarray) -> np.ndarray:
     return np.abs(np.diff(small, axis=0)).mean(axis=(1, 2))
 
 
-def peak(folder: str, seconds: float) -> dict:
+def peak(folder: Path, seconds: float) -> dict:
     """Peak memory of a process that speaks so long a text."""
-    command = [sys.executable, "-m", "benchmarks.speaking", folder, "--once", str(seconds)]
+    command = [sys.executable, "-m", "benchmarks.speaking", str(folder), str(seconds), "only"]
     done = subprocess.run(command, capture_output=True, text=True, check=True)
     return json.loads(done.stdout.splitlines()[-1])
 
 
-def once(folder: str, seconds: float) -> None:
-    """Speak a text of so many seconds and say what it cost, as one line of JSON."""
+def once(folder: Path, seconds: float) -> None:
+    """Speak a text of so many seconds and print what it cost, as one line of JSON."""
     start = time.perf_counter()
     bundle = SpeakerBundle.load(folder)
     performance = perform(speak_text(text_of(seconds), shares=bundle.shares), bundle.trained, bundle.rest)
@@ -112,11 +116,9 @@ def once(folder: str, seconds: float) -> None:
     print(json.dumps({"seconds": performance.seconds, "heard": heard, "wall": wall, "megabytes": memory}))
 
 
-def main() -> None:
-    folder = sys.argv[1]
-    if "--once" in sys.argv:
-        return once(folder, float(sys.argv[3]))
-    seconds = float(sys.argv[2]) if len(sys.argv) > 2 else 300.0
+def main(folder: Path, seconds: float = 300.0, only: str = "") -> None:
+    if only:
+        return once(folder, seconds)
     bundle = SpeakerBundle.load(folder)
     performance = perform(speak_text(SENTENCES, shares=bundle.shares), bundle.trained, bundle.rest)
     with tempfile.TemporaryDirectory() as scratch:
@@ -153,10 +155,10 @@ def main() -> None:
     for length in (10.0, seconds):
         cost = peak(folder, length)
         print(
-            f"{cost['seconds']:.0f} s of speech: {cost['megabytes']:.0f} MB at most, voice and network "
+            f"{cost['seconds']:.0f} s of speech: {cost['megabytes']:.0f} MB at most, voice and model "
             f"{cost['heard']:.1f} s, all {cost['wall']:.1f} s"
         )
 
 
 if __name__ == "__main__":
-    main()
+    run_main(main, __doc__)

@@ -1,30 +1,32 @@
-"""How well synthetic mouths sit in the recording, on the test utterances of a finished run.
+"""How well rendered mouths fit into the recording, on the test utterances of a finished run.
 
-``python -m benchmarks.stitching results/grid fan2015 [utterances]`` prints, for the reconstruction of an utterance's
-own mouth and for another utterance's mouth put onto it (so that it differs from the recorded one in every frame):
+Run: python -m benchmarks.stitching RESULTS [CODING [UTTERANCES]]
 
-seam, surroundings : second difference in time (flicker) and standard deviation of the rendered pixels, as ratios to
-    those of the recording; along the seam in coordinates of the face, around the jaw in those of the picture
-opening : the height of the inner mouth as the tracker sees it in the rendered video against that of the target
+RESULTS is the folder of a corpus (results/grid), CODING a visual coding of it (aam51), UTTERANCES how many of the test
+utterances are rendered (8). Prints, for the reconstruction of an utterance's own mouth and for the mouth of another
+utterance (which differs from the recorded one in every frame):
+
+seam, surroundings : second difference over time (flicker) and standard deviation of the rendered pixels, as ratios to
+    those of the recording; along the seam in coordinates of the face, around the jaw in those of the frame
+opening : height of the inner mouth as tracked in the rendered video against that of the target
 drift : how far the mouth's centre moves against its target between the first and the last third
 """
 
-import sys
-from itertools import islice
 from pathlib import Path
 
 import cv2
 import numpy as np
 
+from benchmarks.command import run_main
+from benchmarks.runs import CodingRun, CorpusRun
 from visualspeech.animation.rendering import place, prepare
 from visualspeech.animation.video import Recording, Speaker, synthetic_frames
-from visualspeech.corpora.table import of_split, read_utterances
-from visualspeech.face.aam.reference import sample_texture
+from visualspeech.face.aam.model import Aam
+from visualspeech.face.aam.reference import Reference, sample_texture
 from visualspeech.face.landmarks import track
 from visualspeech.face.point_sets import PointSet, to_points
 from visualspeech.face.pose import to_frontal
 from visualspeech.media.reading import read_frames
-from visualspeech.storage import ArrayCollection
 
 
 def flicker(values: np.ndarray) -> float:
@@ -73,33 +75,35 @@ def measure(utterance, recording, appearance, speaker, rate) -> list[float]:
     ]
 
 
-def main() -> None:
-    if len(sys.argv) < 3:
-        sys.exit("usage: python -m benchmarks.stitching results/<corpus> <experiment> [utterances]")
-    corpus, run = Path(sys.argv[1]), Path(sys.argv[1], sys.argv[2])
-    count = int(sys.argv[3]) if len(sys.argv) > 3 else 8
-    speaker = Speaker.load(
-        run / "pose" / "head.safetensors", run / "aam" / "model.safetensors", run / "aam" / "reference.safetensors"
-    )
-    folders = [corpus / "landmarks", run / "pose", run / "aam" / "textures", run / "aam" / "parameters"]
-    landmarks, poses, textures, parameters = (ArrayCollection(sorted(folder.glob("*.h5"))) for folder in folders)
-    utterances = list(islice(of_split(read_utterances(run / "utterances.tsv"), "test"), count))
-    results = {"own mouth": [], "other mouth": []}
-    for one, other in zip(utterances, utterances[1:] + utterances[:1], strict=True):
-        recording = Recording.read(landmarks, poses, textures, one.id)
-        for name, source in (("own mouth", one.id), ("other mouth", other.id)):
-            appearance = parameters.array(source, "appearance")
-            if name == "other mouth":
-                appearance = appearance[np.minimum(np.arange(len(recording.pose)), len(appearance) - 1)]
-            results[name].append(measure(one, recording, appearance, speaker, landmarks.rate(one.id)))
-    for name, rows in results.items():
+def main(results: Path, coding: str = "aam51", count: int = 8) -> None:
+    corpus = CorpusRun(results)
+    made = CodingRun(corpus, coding)
+    aam, reference = Aam.load(made.model), Reference.load(made.reference)
+    utterances = corpus.of_split("test")[:count]
+    figures = {"own mouth": [], "other mouth": []}
+    with (
+        corpus.landmarks() as landmarks,
+        corpus.pose() as poses,
+        made.coded_faces() as textures,
+        made.parameters() as parameters,
+    ):
+        for utterance, other in zip(utterances, utterances[1:] + utterances[:1], strict=True):
+            speaker = Speaker(corpus.head(utterance.speaker), aam, reference)
+            recording = Recording.read(landmarks, poses, textures, utterance.id)
+            for name, source in (("own mouth", utterance.id), ("other mouth", other.id)):
+                appearance = parameters.array(source, "appearance")
+                if name == "other mouth":
+                    appearance = appearance[np.minimum(np.arange(len(recording.pose)), len(appearance) - 1)]
+                rate = landmarks.rate(utterance.id)
+                figures[name].append(measure(utterance, recording, appearance, speaker, rate))
+    for name, rows in figures.items():
         values = np.mean(rows, axis=0)
         print(
-            f"{name}: seam flicker {values[0]:.2f}, deviation {values[1]:.2f}; surroundings flicker {values[2]:.2f}, "
-            f"deviation {values[3]:.2f} of the recording's; opening correlation {values[4]:.3f}, "
+            f"{name}, ratios to the recording: seam flicker {values[0]:.2f}, deviation {values[1]:.2f}; surroundings "
+            f"flicker {values[2]:.2f}, deviation {values[3]:.2f}; opening correlation {values[4]:.3f}, "
             f"bias {values[5]:+.2f} px; drift {values[6]:.2f} px ({len(rows)} utterances)"
         )
 
 
 if __name__ == "__main__":
-    main()
+    run_main(main, __doc__)

@@ -1,19 +1,19 @@
-"""Frames a second of processor time of reading textures out of pictures and painting them back, on one core.
+"""Frames per second of processor time of sampling textures from frames and painting them back, on one core.
 
-Run: python benchmarks/texture.py [video]
+Run: python -m benchmarks.texture [VIDEO]
 
-Without a video the pictures are made up (360 x 288) and decoding is not counted. With one, its frames are decoded on
-the way, with made-up points: the speed does not depend on what is in the picture. The plain way, one warp for each
-triangle of the mesh as image libraries offer it, is timed beside ours.
+Without a video the frames are random (360 x 288) and decoding is not counted. With one, its frames are decoded too; the
+points are synthetic in both cases, for the speed does not depend on the content of a frame. Beside it, for comparison:
+one warp for each triangle of the mesh, as image libraries offer it.
 """
 
-import sys
 import time
 from itertools import islice
 
 import cv2
 import numpy as np
 
+from benchmarks.command import run_main
 from visualspeech.face.aam.reference import Reference, fit_reference, paint, sample_texture
 from visualspeech.face.point_sets import read_point_set
 from visualspeech.media.reading import read_frames
@@ -39,22 +39,22 @@ def faces(count: int) -> np.ndarray:
 
 def triangle_by_triangle(frame: np.ndarray, points: np.ndarray, reference: Reference) -> np.ndarray:
     height, width = reference.nearest.shape
-    picture = np.zeros((height, width, 3), np.uint8)
+    composed = np.zeros((height, width, 3), np.uint8)
     for corners in reference.points.triangles:
         warp = cv2.getAffineTransform(
             points[corners].astype(np.float32), reference.grid_shape[corners].astype(np.float32)
         )
         mask = np.zeros((height, width), np.uint8)
         cv2.fillConvexPoly(mask, np.rint(reference.grid_shape[corners]).astype(np.int32), 1)
-        cv2.copyTo(cv2.warpAffine(frame, warp, (width, height)), mask, picture)
-    return picture[reference.pixels[:, 0], reference.pixels[:, 1]].T.reshape(-1)
+        cv2.copyTo(cv2.warpAffine(frame, warp, (width, height)), mask, composed)
+    return composed[reference.pixels[:, 0], reference.pixels[:, 1]].T.reshape(-1)
 
 
 def speed(name: str, function, count: int) -> float:
-    start = time.process_time()
+    begin = time.process_time()
     for number in range(count):
         function(number)
-    rate = count / (time.process_time() - start)
+    rate = count / (time.process_time() - begin)
     print(f"{name:44s} {rate:8.0f} frames/s")
     return rate
 
@@ -63,27 +63,25 @@ def main(video: str = "") -> None:
     cv2.setNumThreads(1)
     generator = np.random.default_rng(1)
     if video:
-        pictures = list(islice(read_frames(video), FRAMES))
+        frames = list(islice(read_frames(video), FRAMES))
     else:
-        pictures = list(generator.integers(0, 256, (FRAMES, 288, 360, 3), dtype=np.uint8))
-    points = faces(len(pictures))
+        frames = list(generator.integers(0, 256, (FRAMES, 288, 360, 3), dtype=np.uint8))
+    points = faces(len(frames))
     reference = fit_reference([points], POINTS)
     print(f"textures of {reference.size} pixels")
-    ours = speed("sample_texture", lambda i: sample_texture(pictures[i], points[i], reference), len(pictures))
-    plain = speed(
-        "a warp for each triangle", lambda i: triangle_by_triangle(pictures[i], points[i], reference), len(pictures)
-    )
+    ours = speed("sample_texture", lambda i: sample_texture(frames[i], points[i], reference), len(frames))
+    plain = speed("one warp per triangle", lambda i: triangle_by_triangle(frames[i], points[i], reference), len(frames))
     print(f"ratio: {ours / plain:.1f}")
-    textures = [sample_texture(picture, at, reference) for picture, at in zip(pictures, points, strict=True)]
-    speed("paint", lambda i: paint(textures[i], points[i], reference, pictures[i]), len(pictures))
+    textures = [sample_texture(frame, at, reference) for frame, at in zip(frames, points, strict=True)]
+    speed("paint", lambda i: paint(textures[i], points[i], reference, frames[i]), len(frames))
     if video:
-        start = time.process_time()
+        begin = time.process_time()
         done = 0
         for number, frame in enumerate(islice(read_frames(video), FRAMES)):
             sample_texture(frame, points[number], reference)
             done += 1
-        print(f"{'decoding and sample_texture':44s} {done / (time.process_time() - start):8.0f} frames/s")
+        print(f"{'decoding and sample_texture':44s} {done / (time.process_time() - begin):8.0f} frames/s")
 
 
 if __name__ == "__main__":
-    main(*sys.argv[1:])
+    run_main(main, __doc__)

@@ -1,13 +1,12 @@
-"""Frames a second of training FBB-128 beside a bare torch loop over the same batches, and on two threads or two jobs.
+"""Frames per second of training FBB-128 beside a bare torch loop over the same batches; two threads beside two jobs.
 
-Run: python -m benchmarks.training_speed
+Run: python -m benchmarks.training_speed [ROUNDS]
 
-The bare loop has the same layers on ready-made one-hot tensors without padding, and no dropout, validation, checkpoint
-or clipping, so the ratio is what everything else costs. Both in one process, on one thread, in turns; of the pairs of
-turns the median ratio is given, of wall clock and of processor time (which other work on the machine changes less).
-
-Then two networks: two jobs at a time of one thread each, as the workflow trains them, beside one job after the other of
-two threads.
+The bare loop has the same layers on prepared one-hot tensors without padding, and no dropout, validation, checkpoint or
+gradient clipping, so the ratio is what everything else costs. Both in one process, on one thread, in turns, ROUNDS
+times (5); prints the median ratio of the pairs, of wall clock and of processor time (which other work on the machine
+changes less). Then two networks: two jobs of one thread side by side, as the workflow trains them, beside one job after
+the other on two threads.
 """
 
 import multiprocessing
@@ -18,20 +17,19 @@ from unittest import mock
 import numpy as np
 import torch
 from torch import nn
-from visualspeech.models.blstm import StackSettings
 
+from benchmarks.command import run_main
+from benchmarks.synthetic import examples, task
 from visualspeech.features.labels import one_hot
-from visualspeech.models.network import one_thread
-from visualspeech.models.training import train, training_settings
+from visualspeech.models.stack import fit
+from visualspeech.models.training import one_thread
 
-UTTERANCES, FRAMES, PHONES, OUTPUTS, ROUNDS = 160, 75, 40, 80, 5
+UTTERANCES, FRAMES, PHONES, OUTPUTS = 160, 75, 40, 80
 
 
-def data(seed: int = 1) -> list[tuple[np.ndarray, np.ndarray]]:
-    generator = np.random.default_rng(seed)
-    labels = generator.integers(0, 3, (UTTERANCES, FRAMES, 4)).astype(np.int16)
-    labels[:, :, :3] = generator.integers(0, PHONES, (UTTERANCES, FRAMES, 3))
-    return list(zip(labels, generator.normal(size=(UTTERANCES, FRAMES, OUTPUTS)).astype(np.float32), strict=True))
+def data() -> list:
+    """The utterances."""
+    return examples(UTTERANCES, FRAMES, PHONES, OUTPUTS)
 
 
 class Bare(nn.Module):
@@ -54,21 +52,22 @@ def bare_epoch(utterances, batch: int) -> np.ndarray:
     torch.manual_seed(1)
     model = Bare()
     optimiser = torch.optim.Adam(model.parameters(), lr=1e-3)
-    inputs = torch.tensor(one_hot(np.stack([labels for labels, _ in utterances]), PHONES))
-    targets = torch.tensor(np.stack([values for _, values in utterances]))
-    start = clocks()
+    inputs = torch.tensor(one_hot(np.stack([one.streams[0].index for one in utterances]), PHONES))
+    targets = torch.tensor(np.stack([one.target for one in utterances]))
+    begin = clocks()
     for first in range(0, UTTERANCES, batch):
         optimiser.zero_grad()
         (0.5 * (model(inputs[first : first + batch]) - targets[first : first + batch]).square().sum()).backward()
         optimiser.step()
-    return clocks() - start
+    return clocks() - begin
 
 
 def our_epoch(utterances, batch: int, epochs: int = 1) -> np.ndarray:
-    settings = training_settings(max_epochs=epochs, batch=batch)
-    start = clocks()
-    train(StackSettings("FBB", 128), range(PHONES), utterances, utterances[:1], 25.0, settings)
-    return clocks() - start
+    training = {"max_epochs": epochs, "batch_size": batch}
+    given = task({"letters": "FBB", "nodes": 128}, training, PHONES, utterances, utterances[:1])
+    begin = clocks()
+    fit(given)
+    return clocks() - begin
 
 
 @contextmanager
@@ -88,16 +87,16 @@ def one_job(barrier) -> None:
 
 
 def two_jobs() -> float:
-    """Seconds of two networks that are trained beside each other, each on one thread."""
+    """Seconds of two networks that are trained side by side, each on one thread."""
     context = multiprocessing.get_context("spawn")
     barrier = context.Barrier(3)
     jobs = [context.Process(target=one_job, args=(barrier,)) for _ in range(2)]
     for job in jobs:
         job.start()
     barrier.wait()
-    start = time.perf_counter()
+    begin = time.perf_counter()
     barrier.wait()
-    seconds = time.perf_counter() - start
+    seconds = time.perf_counter() - begin
     for job in jobs:
         job.join()
     return seconds
@@ -111,11 +110,11 @@ def one_after_the_other() -> float:
         return sum(our_epoch(utterances, 8, 2)[0] for _ in range(2))
 
 
-def main() -> None:
+def main(rounds: int = 5) -> None:
     utterances = data()
     with one_thread():
         for batch in (4, 8, 16):
-            pairs = [(our_epoch(utterances, batch), bare_epoch(utterances, batch)) for _ in range(ROUNDS + 1)][1:]
+            pairs = [(our_epoch(utterances, batch), bare_epoch(utterances, batch)) for _ in range(rounds + 1)][1:]
             ours, bare = np.median(pairs, axis=0)
             frames = UTTERANCES * FRAMES
             wall, processor = np.median([b / o for o, b in pairs], axis=0)
@@ -123,7 +122,7 @@ def main() -> None:
                 f"batch {batch}: ours {frames / ours[0]:,.0f} frames/s, bare loop {frames / bare[0]:,.0f} frames/s, "
                 f"ratio {wall:.2f} (of processor time {processor:.2f})"
             )
-    pairs = [(two_jobs(), one_after_the_other()) for _ in range(3)]
+    pairs = [(two_jobs(), one_after_the_other()) for _ in range(min(3, rounds))]
     jobs, threads = np.median(pairs, axis=0)
     print(
         f"two networks: two jobs of one thread {jobs:.2f} s, two threads one after the other {threads:.2f} s, "
@@ -132,4 +131,4 @@ def main() -> None:
 
 
 if __name__ == "__main__":
-    main()
+    run_main(main, __doc__)

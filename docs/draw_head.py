@@ -1,6 +1,6 @@
-"""The picture at the top of the README: frames of a video of the demo corpus.
+"""Make docs/head.jpg, the picture at the top of the README, from frames of a video of the demo corpus.
 
-python docs/draw_head.py results/demo/fan2015/videos/demo010.mp4 40 58
+Run: python docs/draw_head.py results/demo/fan2015/videos/demo010.mp4 40 58
 """
 
 import sys

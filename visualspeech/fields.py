@@ -7,6 +7,7 @@ that read it. If their module imports a heavy library (video, networks), the cla
 """
 
 import math
+import re
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import MISSING, asdict, field, fields, is_dataclass
 from functools import cache
@@ -24,6 +25,8 @@ _BOUNDS = {
 }
 #: Largest seed, within the range of every random number generator in use.
 MAX_SEED = 999_999_999
+#: Rule of a text that does not match its pattern, which the description that follows says in words.
+FORM = "of this form"
 _TYPES = {bool: "boolean", int: "integer", float: "number", str: "string"}
 
 
@@ -38,14 +41,14 @@ def setting(default, description: str, *, choices: Collection = (), item: Mappin
     item : for a list, the rules of its entries as keywords of this function (``minimum``, ``choices``, ...) with their
         ``description``; for a mapping, its JSON Schema
     bounds : ``minimum``, ``maximum``, ``above``, ``below`` of a number; ``min_items`` and ``unique`` of a list;
-        ``min_length`` of a text
+        ``min_length`` of a text, and ``pattern``: a regular expression that all of it matches
 
     Raises
     ------
     TypeError
         A bound is unknown.
     """
-    unknown = set(bounds) - {*_BOUNDS, "min_items", "unique", "min_length"}
+    unknown = set(bounds) - {*_BOUNDS, "min_items", "unique", "min_length", "pattern"}
     if unknown:
         raise TypeError(f"unknown bounds of a setting: {', '.join(sorted(unknown))}")
     metadata = {"description": description, "choices": choices, "item": dict(item or {}), **bounds}
@@ -80,12 +83,34 @@ class Settings:
                 raise setting_error(type(self), name, value, rule)
 
 
-def setting_error(cls, name: str, value, rule: str) -> SettingError:
+class FieldError(SettingError):
+    """A value that a settings dataclass refuses.
+
+    Parameters
+    ----------
+    key : of the value, from the section of its class on, for example ``aam.shape.components``
+    rest : what the message says after the key
+    """
+
+    def __init__(self, key: str, rest: str) -> None:
+        super().__init__(key, rest)
+        self.key, self.rest = key, rest
+
+    def __str__(self) -> str:
+        return f"`{self.key}{self.rest}"
+
+    def at(self, section: str, where: str) -> "FieldError":
+        """The same of a run's settings, in which the section has the place ``where``."""
+        inner = self.key.removeprefix(section).removeprefix(".")
+        return FieldError(f"{where}.{inner}" if inner else where, self.rest)
+
+
+def setting_error(cls, name: str, value, rule: str) -> FieldError:
     """An error that says of a field's value what it must be: `` `pose.noise: 0` must be <rule>. <description>``."""
     key = f"{cls.section}.{name}" if cls.section else name
     shown = list(value) if isinstance(value, tuple) else value
     description = next((metadata["description"] for one, _, metadata in described_fields(cls) if one == name), "")
-    return SettingError(f"`{key}: {shown}` must be {rule}. {description}".rstrip())
+    return FieldError(key, f": {shown}` must be {rule}{':' if rule == FORM else '.'} {description}".rstrip())
 
 
 @cache
@@ -111,6 +136,8 @@ def _broken_rule(value, kind, metadata: Mapping) -> str:
         return f"one of {', '.join(map(str, choices))}"
     if kind is str and len(value) < metadata.get("min_length", 0):
         return "a text that is not empty"
+    if kind is str and "pattern" in metadata and not re.fullmatch(metadata["pattern"], value):
+        return FORM
     inside = all(holds(value, metadata[name]) for name, (_, holds, _) in _BOUNDS.items() if name in metadata)
     return "" if inside else _range(metadata)
 
@@ -186,18 +213,30 @@ def _field_schema(kind, metadata: Mapping) -> dict:
     else:  # a mapping, whose schema is given by its field
         schema |= metadata["item"] or {"type": "object"}
     schema |= {"minLength": metadata["min_length"]} if "min_length" in metadata else {}
+    schema |= {"pattern": rf"^(?:{metadata['pattern']})\Z"} if "pattern" in metadata else {}
     return schema | {keyword: metadata[name] for name, (keyword, _, _) in _BOUNDS.items() if name in metadata}
 
 
-def with_defaults(cls, given: Mapping, hidden: Sequence[str] = ()) -> dict:
+def with_defaults(cls, given: Mapping, hidden: Sequence[str] = (), where: str = "") -> dict:
     """All fields of a section as plain data (lists, not tuples): what is given, and the defaults of what is not.
+
+    Parameters
+    ----------
+    cls : subclass of :class:`Settings`
+    given : values by field
+    hidden : fields that are left out of the result
+    where : place of the section in the run's settings, for messages; empty: its usual place, ``cls.section``
 
     Raises
     ------
     SettingError
         A key is unknown, or a value is invalid (see :class:`Settings`).
     """
-    return {name: value for name, value in _plain(asdict(_built(cls, given))).items() if name not in hidden}
+    try:
+        built = _built(cls, given)
+    except FieldError as error:
+        raise (error.at(cls.section, where) if where else error) from None
+    return {name: value for name, value in _plain(asdict(built)).items() if name not in hidden}
 
 
 def restored(cls, stored: Mapping, path):

@@ -7,6 +7,7 @@ import os
 from collections.abc import Iterable, Mapping
 from functools import cache
 from pathlib import Path
+from typing import NamedTuple
 
 PACKAGE = Path(__file__).resolve().parent
 
@@ -56,16 +57,24 @@ def code_digest(script: str | Path, *modules: str, data: Iterable[str | Path] = 
     modules : dotted names of further modules of this package, which the script imports by name at run time
     data : further files that the script reads
     """
-    reached: set[Path] = set()
+    reached: dict[Path, _Module] = {}
     waiting = [Path(script).resolve(), *(_module(name) for name in modules)]
     while waiting:
         path = waiting.pop()
         if path not in reached:
-            reached.add(path)
-            waiting.extend(_imported(path))
-    syntax = [(path.name, _syntax(path)) for path in reached]
-    files = {file for path in reached for file in _data(path)} | set(map(Path, data))
-    return digest(sorted(syntax) + sorted((file.name, file_digest(file)) for file in files))
+            reached[path] = _read(path)
+            waiting.extend(reached[path].imports)
+    syntax = sorted((path.name, module.syntax) for path, module in reached.items())
+    files = {file for module in reached.values() for file in module.data} | set(map(Path, data))
+    return digest(syntax + sorted((file.name, file_digest(file)) for file in files))
+
+
+class _Module(NamedTuple):
+    """Digest of a module's syntax, the modules of this package that it imports, and the data files that it names."""
+
+    syntax: str
+    imports: tuple[Path, ...]
+    data: tuple[Path, ...]
 
 
 def _module(name: str) -> Path:
@@ -75,50 +84,45 @@ def _module(name: str) -> Path:
 
 
 @cache
-def _syntax(path: Path) -> str:
+def _read(path: Path) -> _Module:
+    """The module at a path, read once per process: the jobs of a plan reach the same modules."""
     tree = ast.parse(path.read_text(encoding="utf-8"))
+    imported: set[str] = set()
+    named: set[str] = set()
     for node in ast.walk(tree):
-        if isinstance(node, ast.Module | ast.ClassDef | ast.FunctionDef | ast.AsyncFunctionDef):
-            first = node.body[0] if node.body else None
-            if (
-                isinstance(first, ast.Expr)
-                and isinstance(first.value, ast.Constant)
-                and isinstance(first.value.value, str)
-            ):
-                node.body = node.body[1:]
-    return hashlib.sha256(ast.dump(tree).encode()).hexdigest()
-
-
-@cache
-def _data(path: Path) -> tuple[Path, ...]:
-    """The files of every folder beside a module that the module names and that is not a package."""
-    named = {node.value for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))) if _is_name(node)}
-    folders = (path.parent / name for name in sorted(named))
-    found = (folder for folder in folders if folder.is_dir() and not (folder / "__init__.py").exists())
-    return tuple(file for folder in found for file in sorted(folder.rglob("*")) if file.is_file())
-
-
-def _is_name(node: ast.AST) -> bool:
-    return isinstance(node, ast.Constant) and isinstance(node.value, str) and node.value.isidentifier()
-
-
-@cache
-def _imported(path: Path) -> tuple[Path, ...]:
-    names: set[str] = set()
-    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
         if isinstance(node, ast.Import):
-            names.update(alias.name for alias in node.names)
+            imported.update(alias.name for alias in node.names)
         elif isinstance(node, ast.ImportFrom) and node.module and not node.level:
-            names.add(node.module)
-            names.update(f"{node.module}.{alias.name}" for alias in node.names)
-    found = set()
-    for name in names:
-        parts = name.split(".")
-        if parts[0] != PACKAGE.name:
-            continue
-        for end in range(1, len(parts) + 1):
-            module = PACKAGE.joinpath(*parts[1:end])
-            for candidate in (module.with_suffix(".py"), module / "__init__.py"):
-                if candidate.is_file():
-                    found.add(candidate)
-    return tuple(sorted(found))
+            imported.add(node.module)
+            imported.update(f"{node.module}.{alias.name}" for alias in node.names)
+        elif isinstance(node, ast.Constant):
+            if isinstance(node.value, str) and node.value.isidentifier():
+                named.add(node.value)
+        elif isinstance(node, ast.Module | ast.ClassDef | ast.FunctionDef | ast.AsyncFunctionDef):
+            if _is_docstring(node.body[0] if node.body else None):
+                node.body = node.body[1:]
+    syntax = hashlib.sha256(ast.dump(tree).encode()).hexdigest()
+    files = {file for name in imported for file in _files(name)}
+    return _Module(syntax, tuple(sorted(files)), _data(path.parent, named))
+
+
+def _is_docstring(node: ast.AST | None) -> bool:
+    return isinstance(node, ast.Expr) and isinstance(node.value, ast.Constant) and isinstance(node.value.value, str)
+
+
+@cache
+def _files(name: str) -> tuple[Path, ...]:
+    """Files of this package that are run when ``name``, a module or something in one, is imported."""
+    package, *parts = name.split(".")
+    if package != PACKAGE.name:
+        return ()
+    modules = [PACKAGE.joinpath(*parts[:end]) for end in range(len(parts) + 1)]
+    candidates = (file for module in modules for file in (module.with_suffix(".py"), module / "__init__.py"))
+    return tuple(file for file in candidates if file.is_file())
+
+
+def _data(folder: Path, names: set[str]) -> tuple[Path, ...]:
+    """The files of every folder beside a module that it names and that is no package."""
+    folders = (folder / name for name in sorted(names))
+    found = (one for one in folders if one.is_dir() and not (one / "__init__.py").exists())
+    return tuple(file for one in found for file in sorted(one.rglob("*")) if file.is_file())

@@ -12,12 +12,13 @@ import math
 from collections.abc import Mapping, Sequence
 from copy import deepcopy
 from decimal import Decimal, InvalidOperation
+from functools import cache
 from pathlib import Path
 
 import yaml
 
 from visualspeech.errors import SettingError
-from visualspeech.fields import section_schema, with_defaults
+from visualspeech.fields import FORM, section_schema, with_defaults
 
 PACKAGE = __name__.partition(".")[0]
 _KINDS = {
@@ -28,6 +29,7 @@ _KINDS = {
     "array": "a list",
     "object": "lines of `key: value`",
 }
+_BOOLEANS = " (YAML reads no, yes, on and off as false and true; put a text in quotes)"
 _LIMITS = {
     "minimum": "at least {}",
     "exclusiveMinimum": "above {}",
@@ -49,7 +51,7 @@ def load_schema(path: str | Path) -> dict:
     return _written_out(yaml.safe_load(Path(path).read_text(encoding="utf-8")))
 
 
-def fill_defaults(settings: Mapping, schema: Mapping) -> dict:
+def fill_defaults(settings: Mapping, schema: Mapping, where: str = "") -> dict:
     """A copy of settings with all defaults filled in; neither argument is changed.
 
     Sections of settings dataclasses get the defaults of their fields, other keys the ``default`` of their schema where
@@ -59,13 +61,14 @@ def fill_defaults(settings: Mapping, schema: Mapping) -> dict:
     ----------
     settings : of a run, or of a part of it that ``schema`` describes
     schema : from :func:`load_schema`, or its part for these settings
+    where : place of ``settings`` in those of the run, for messages
 
     Raises
     ------
     SettingError
         Values of a section do not fit each other.
     """
-    return _filled(settings, schema, schema)
+    return _filled(settings, schema, schema, where)
 
 
 def _written_out(node):
@@ -102,51 +105,75 @@ def settings_class(name: str):
         raise SettingError(f"the schema names {name!r}, which does not exist ({error}).") from error
 
 
-def _filled(given, schema: Mapping, root: Mapping):
+def _filled(given, schema: Mapping, root: Mapping, where: str):
     while "$ref" in schema:
         name = schema["$ref"].rpartition("/")[2]
         schema = {**root["$defs"][name], **{key: value for key, value in schema.items() if key != "$ref"}}
     if isinstance(given, list) and isinstance(schema.get("items"), Mapping):
-        return [_filled(one, schema["items"], root) for one in given]
+        return [_filled(one, schema["items"], root, _below(where, number)) for number, one in enumerate(given)]
     if not isinstance(given, Mapping):
         return deepcopy(given)
     known = schema.get("properties", {})
     others = schema.get("additionalProperties")
     others = others if isinstance(others, Mapping) else {}
-    filled = {key: _filled(value, known.get(key, others), root) for key, value in given.items()}
+    filled = {key: _filled(value, known.get(key, others), root, _below(where, key)) for key, value in given.items()}
     for key, inner in known.items():
         if key in filled:
             continue
         if "default" in inner:
-            filled[key] = _filled(inner["default"], inner, root)
-        elif value := _filled({}, inner, root):
+            filled[key] = _filled(inner["default"], inner, root, _below(where, key))
+        elif value := _filled({}, inner, root, _below(where, key)):
             filled[key] = value
     if _is_section(schema) and schema.get("defaults", True):
         cls, hidden = settings_class(schema["settings"]), schema.get("hidden", ())
         fields = section_schema(cls, hidden=hidden)["properties"]
         own = {key: value for key, value in filled.items() if key in fields}
-        filled |= with_defaults(cls, own, hidden)
-    return filled
+        filled |= with_defaults(cls, own, hidden, where)
+    # In the order of the schema, however the files write them: a job whose settings are the same does not run again.
+    return {key: filled[key] for key in dict.fromkeys((*known, *filled)) if key in filled}
 
 
-def check(settings: Mapping, schema: Mapping) -> None:
-    """Hold settings against a JSON schema, in which a whole number is no 16.0 and no number is infinite or NaN.
+def _below(where: str, key) -> str:
+    return f"{where}.{key}" if where else str(key)
+
+
+def check(settings: Mapping, schema: Mapping, where: str = "") -> None:
+    """Hold settings against a JSON schema; see :func:`mistakes`.
 
     Raises
     ------
     SettingError
         They do not fit; a line for each mistake.
     """
+    found = mistakes(settings, schema, where)
+    if found:
+        raise SettingError("\n".join(found))
+
+
+def mistakes(settings: Mapping, schema: Mapping, where: str = "") -> list[str]:
+    """What is wrong with settings by a JSON schema, in which a whole number is no 16.0 and no number infinite or NaN.
+
+    Parameters
+    ----------
+    settings, schema : plain data
+    where : place of ``settings`` in those of the run, for messages
+
+    Returns
+    -------
+    A sentence for each mistake, in the order of the keys' paths.
+    """
+    problems = sorted(_validator()(schema).iter_errors(settings), key=lambda error: list(map(str, error.absolute_path)))
+    return list(dict.fromkeys(sentence for problem in problems for sentence in _sentences(problem, where)))
+
+
+@cache
+def _validator():
     from jsonschema import Draft202012Validator, validators
 
     kinds = Draft202012Validator.TYPE_CHECKER.redefine_many(
         {"integer": lambda _, value: _is_number(value, int), "number": lambda _, value: _is_number(value, int | float)}
     )
-    checker = validators.extend(Draft202012Validator, type_checker=kinds)(schema)
-    problems = sorted(checker.iter_errors(settings), key=lambda error: list(map(str, error.path)))
-    if problems:
-        # One sentence names all keys that an object lacks; there is a problem for each.
-        raise SettingError("\n".join(dict.fromkeys(map(_sentence, problems))))
+    return validators.extend(Draft202012Validator, type_checker=kinds)
 
 
 def did_you_mean(word: str, known: Sequence[str]) -> str:
@@ -155,25 +182,46 @@ def did_you_mean(word: str, known: Sequence[str]) -> str:
     return f" Did you mean `{close[0]}`?" if close else ""
 
 
+def unknown(key: str, word: str, known: Sequence[str], what: str = "") -> str:
+    """A sentence that says that a word, given for a key, is not among the known ones; ``what`` it is no one of."""
+    said = f"is no {what}" if what else "is not known"
+    listed = f" Known: {', '.join(map(str, known))}." if known else " There is none."
+    return f"`{key}: {word}` {said}.{did_you_mean(str(word), list(map(str, known)))}{listed}"
+
+
 def _is_number(value, kind) -> bool:
     return isinstance(value, kind) and not isinstance(value, bool) and math.isfinite(value)
 
 
-def _sentence(problem) -> str:
-    where = ".".join(str(part) for part in problem.absolute_path)
+def _sentences(problem, above: str) -> list[str]:
+    """What one error of the validator says to a person; several unknown or missing keys are several mistakes."""
+    where = ".".join(str(part) for part in ([above] if above else []) + list(problem.absolute_path))
     if problem.validator == "additionalProperties":
         known = sorted(problem.schema.get("properties", {}))
-        extra = [str(key) for key in problem.instance if key not in known]
-        names = ", ".join(f"`{where + '.' if where else ''}{key}`" for key in extra)
-        questions = "".join(did_you_mean(key, known) for key in extra)
-        return f"unknown setting {names}.{questions} Known here: {', '.join(known)}."
+        return [_unknown_key(where, key, known) for key in problem.instance if key not in known]
     if problem.validator == "required":
+        keys = problem.schema.get("properties", {})
+        place = f"`{where}`" if where else "the configuration"
         missing = [key for key in problem.validator_value if key not in problem.instance]
-        return f"`{where or 'the configuration'}` lacks {', '.join(f'`{key}`' for key in missing)}."
+        return [f"{place} lacks `{key}`. {keys.get(key, {}).get('description', '')}".rstrip() for key in missing]
+    description = problem.schema.get("description", "")
+    if "propertyNames" in problem.schema_path:
+        quotes = _BOOLEANS if isinstance(problem.instance, bool) else ""
+        return [f"`{where}`: {_shown(problem.instance)} is no possible name{quotes}. {description}".rstrip()]
     given = "is empty and" if problem.instance is None else ""
     name = f"`{where}`" if problem.instance is None else f"`{where}: {_shown(problem.instance)}`"
     said = " ".join(filter(None, (name, given, _rule(problem))))
-    return f"{said}. {problem.schema.get('description', '')}".rstrip()
+    question = ""
+    if problem.validator == "enum" and isinstance(problem.instance, str):
+        question = did_you_mean(problem.instance, list(map(str, problem.validator_value)))
+    return [f"{said}{':' if said.endswith(FORM) and description else '.'}{question} {description}".rstrip()]
+
+
+def _unknown_key(where: str, key, known: Sequence[str]) -> str:
+    name = _shown(key) if isinstance(key, bool) else str(key)
+    quotes = _BOOLEANS if isinstance(key, bool) else ""
+    listed = f" Known here: {', '.join(known)}." if known else ""
+    return f"unknown setting `{_below(where, name)}`{quotes}.{did_you_mean(name, known)}{listed}"
 
 
 def _rule(problem) -> str:
@@ -182,12 +230,11 @@ def _rule(problem) -> str:
     if rule in _LIMITS:
         return f"must be {_range(problem.schema)}"
     if rule == "type":
-        kinds = [kind for kind in ([limit] if isinstance(limit, str) else limit) if kind != "null"]
-        bounds = _range(problem.schema) if {"integer", "number"} & set(kinds) else ""
-        ways = _way_out(kinds[0], value) if len(kinds) == 1 else ""
-        return f"must be {' or '.join(_KINDS[kind] for kind in kinds)}{', ' * bool(bounds)}{bounds}{ways}"
+        return f"must be {_of_type([limit] if isinstance(limit, str) else limit, value, problem.schema)}"
     if rule == "enum":
-        return f"must be one of {', '.join(map(str, limit))}"
+        quotes = _BOOLEANS if isinstance(value, bool) and not any(isinstance(one, bool) for one in limit) else ""
+        listed = f"one of {', '.join(map(str, limit))}" if limit else "left out: there is none to choose from"
+        return f"must be {listed}{quotes}"
     if rule == "oneOf":
         ways = [" and ".join(f"`{key}`" for key in way.get("required", ())) for way in limit]
         return f"must have either {' or '.join(ways)}" if all(ways) else "does not fit"
@@ -202,7 +249,18 @@ def _rule(problem) -> str:
         return f"must have {most} {limit} {'entry' if limit == 1 else 'entries'}"
     if rule == "minLength":
         return "must not be empty"
-    return "does not fit"
+    if rule == "maxLength":
+        return f"must have at most {limit} characters"
+    return f"must be {FORM}" if rule == "pattern" else "does not fit"
+
+
+def _of_type(kinds: Sequence[str], value, schema: Mapping) -> str:
+    """The types that a value may have, with its limits and how to write what was surely meant."""
+    words = [_KINDS[kind] for kind in kinds if kind != "null"]
+    listed = " or ".join(filter(None, (", ".join(words[:-1]), words[-1])))
+    bounds = _range(schema) if {"integer", "number"} & set(kinds) else ""
+    ways = [_way_out(kind, value) for kind in sorted(kinds, key="string".__ne__)]
+    return f"{listed}{', ' * bool(bounds)}{bounds}{next(filter(None, ways), '')}"
 
 
 def _range(schema: Mapping) -> str:
@@ -213,10 +271,10 @@ def _range(schema: Mapping) -> str:
 def _way_out(kind: str, value) -> str:
     """How to write what was surely meant; YAML has its own ideas of what is a number and what is a text."""
     if kind == "string" and isinstance(value, bool):
-        return " (YAML reads no, yes, on and off as false and true; put a text in quotes)"
+        return _BOOLEANS
     if kind == "string" and isinstance(value, int | float):
         return " (put it in quotes)"
-    if kind == "array" and isinstance(value, str | int | float):
+    if kind == "array" and isinstance(value, str | int | float) and not isinstance(value, bool):
         return f"; write [{_shown(value)}]"
     if kind in ("integer", "number") and isinstance(value, str | float):
         try:

@@ -135,12 +135,7 @@ def read_table(path: str | Path, text_columns: tuple[str, ...] = ("id",)):
     """Read a TSV written by :func:`write_table`; ``text_columns`` stay text even where they look like numbers.
 
     Empty cells of text columns become empty strings, those of other columns NaN. Words such as "null" and "NA" are
-    read as text, not as missing values.
-
-    Raises
-    ------
-    StorageError
-        The file is missing or not a table.
+    read as text, not as missing values. Raises :class:`StorageError` for a missing or damaged file.
     """
     import pandas
 
@@ -227,12 +222,8 @@ class ArrayReader:
     """Reads what :class:`ArrayWriter` wrote, utterance by utterance.
 
     ``reader.ids`` lists the utterances; ``reader[id]`` returns a dict of arrays, ``reader.rate(id)`` the frame rate in
-    Hz, ``reader.attributes(id)`` all attributes of an utterance.
-
-    Raises
-    ------
-    StorageError
-        The file is missing or not HDF5; on access, it does not hold the utterance.
+    Hz, ``reader.attributes(id)`` all attributes of an utterance. Raises :class:`StorageError` for a missing or damaged
+    file and for utterances that it does not hold.
     """
 
     def __init__(self, path: str | Path) -> None:

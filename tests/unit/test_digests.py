@@ -30,7 +30,7 @@ def package(tmp_path, monkeypatch):
 
 
 def forget():
-    for function in (provenance._syntax, provenance._imported, provenance._data):
+    for function in (provenance._read, provenance._files):
         function.cache_clear()
 
 

@@ -1,5 +1,6 @@
 """Settings classes: bounds, defaults and descriptions, written once, agree in the dataclass and in the schema."""
 
+import copy
 import subprocess
 import sys
 from dataclasses import asdict, dataclass, fields, replace
@@ -24,13 +25,25 @@ from visualspeech.face.drift import DriftSettings
 from visualspeech.face.head import PoseSettings
 from visualspeech.face.screening import ScreeningSettings
 from visualspeech.face.tracker import LandmarkSettings
+from visualspeech.features.blocks.base import block_class, block_kinds
 from visualspeech.features.blocks.label_parts import LabelPartsSettings
-from visualspeech.fields import Settings, default_of, described_fields, restored, section_schema, setting, with_defaults
+from visualspeech.fields import (
+    MAX_SEED,
+    FieldError,
+    Settings,
+    default_of,
+    described_fields,
+    restored,
+    section_schema,
+    setting,
+    with_defaults,
+)
 from visualspeech.models.hmm.model import HmmSettings
 from visualspeech.models.lookup_settings import LookupSettings
-from visualspeech.models.stack_settings import StackSettings
+from visualspeech.models.registry import FAMILIES
+from visualspeech.models.stack_settings import MAX_LAYERS, StackSettings
 from visualspeech.models.training_settings import TrainingSettings
-from visualspeech.schema import check
+from visualspeech.schema import check, settings_class
 from visualspeech.speech.forced_alignment import AlignmentSettings
 from visualspeech.speech.spoken_settings import VoiceSettings
 
@@ -64,6 +77,7 @@ class Outer(Settings):
     sizes: tuple[int, ...] = setting((2, 1), "Sizes.", item={"minimum": 1, "maximum": 9}, min_items=1, unique=True)
     words: tuple[str, ...] = setting((), "Words.", item={"choices": ("yes", "no")})
     name: str = setting("x", "Name.", min_length=1)
+    code: str = setting("a1", "A small letter and a digit.", pattern="[a-z][0-9]")
     loud: bool = setting(False, "Whether it is loud.")
     hidden_from_users: int = 3
 
@@ -99,6 +113,8 @@ def wrong_values(kind, metadata):
         yield "no such choice"
     if metadata.get("min_length"):
         yield ""
+    if "pattern" in metadata:
+        yield from ("", "?", "FBB\n", "a1 ", "a1a1")
     for bound, step in BESIDE.items():
         if bound in metadata:
             yield metadata[bound] + step
@@ -111,6 +127,18 @@ def test_defaults_satisfy_the_schema(cls):
         del plain["hidden_from_users"]
     check(plain, section_schema(cls))
     assert with_defaults(cls, plain) == with_defaults(cls, {})
+
+
+def test_no_class_of_the_library_is_left_out():
+    modules = {cls.__module__ for cls in CLASSES}
+    found = set()
+    for path in sorted((REPOSITORY / "visualspeech").rglob("*.py")):
+        lines = path.read_text().splitlines()
+        found |= {line.split("(")[0].removeprefix("class ") for line in lines if line.endswith("(Settings):")}
+    assert found == {cls.__name__ for cls in CLASSES} and len(modules) > 15
+    families = {settings_class(family.settings) for family in FAMILIES.values() if family.settings}
+    blocks = {block_class(kind).settings for kind in block_kinds()} - {None}
+    assert families | blocks <= set(CLASSES)
 
 
 @pytest.mark.parametrize("cls", CLASSES)
@@ -162,7 +190,7 @@ def test_components_of_an_analysis(wrong):
     ("name", "wrong"),
     [
         ("sizes", []), ("sizes", [1, 1]), ("sizes", [0]), ("sizes", [10]), ("sizes", ["1"]), ("sizes", 3),
-        ("words", ["maybe"]), ("words", "yes"), ("name", ""), ("inner", {"share": 1}), ("inner", 3),
+        ("words", ["maybe"]), ("words", "yes"), ("name", ""), ("inner", {"share": 1}), ("inner", 3), ("code", "11"),
     ],
 )  # fmt: skip
 def test_lists_and_nested_sections(name, wrong):
@@ -175,7 +203,7 @@ def test_plain_data_builds_nested_settings():
     built = Outer(inner={"share": 0.25}, sizes=[4])
     assert built.inner == Inner(0.25) and built.sizes == (4,)
     assert with_defaults(Outer, {"inner": {}}, hidden=["loud", "hidden_from_users"]) == {
-        "inner": {"share": 0.5}, "sizes": [2, 1], "words": [], "name": "x",
+        "inner": {"share": 0.5}, "sizes": [2, 1], "words": [], "name": "x", "code": "a1",
     }  # fmt: skip
     with pytest.raises(SettingError, match=r"unknown setting `outer.inner.shar`"):
         Outer(inner={"shar": 1})
@@ -189,10 +217,47 @@ def test_a_message_says_value_rule_and_description():
         Inner("0.5")
 
 
+def test_a_message_says_the_place_in_the_settings_of_a_run():
+    with pytest.raises(FieldError) as raised:
+        with_defaults(Outer, {"inner": {"share": 2}}, where="systems.a.outer")
+    assert str(raised.value).startswith("`systems.a.outer.inner.share: 2` must be at least 0 and below 1.")
+    with pytest.raises(FieldError, match="^`outer.inner.share: 2` must be"):
+        with_defaults(Outer, {"inner": {"share": 2}})
+    with pytest.raises(FieldError, match="^`codings.x.aam.shape.components: 9` is more than there can be"):
+        with_defaults(AamSettings, {"images": 2, "shape": {"components": 9}}, where="codings.x.aam")
+    again = copy.copy(raised.value)  # as a pool of processes hands errors on
+    assert str(again) == str(raised.value) and again.key == "systems.a.outer.inner.share"
+
+
+def test_a_pattern_is_explained_by_the_description():
+    with pytest.raises(SettingError) as raised:
+        Outer(code="1a")
+    assert str(raised.value) == "`outer.code: 1a` must be of this form: A small letter and a digit."
+    with pytest.raises(SettingError) as raised:
+        check({"code": "1a"}, section_schema(Outer), "here")
+    assert str(raised.value) == "`here.code: 1a` must be of this form: A small letter and a digit."
+
+
+def test_stacks_that_cannot_be():
+    assert StackSettings("F" * MAX_LAYERS).letters and StackSettings("FB", 8, "layer").direction_nodes == 4
+    for letters in ("F" * (MAX_LAYERS + 1), "", "fb", "FBB-128", "FXB"):
+        with pytest.raises(SettingError, match=f"`models.letters: {letters}` must be of this form: Hidden layers"):
+            StackSettings(letters)
+    assert StackSettings("FF", 7, "layer").nodes == 7  # no B layer shares them
+    with pytest.raises(SettingError, match="`models.nodes: 7` must be even: with `b_nodes: layer` .*; write 8. Width"):
+        StackSettings("FB", 7, "layer")
+
+
+def test_one_largest_seed():
+    for cls in CLASSES:
+        for name, _, metadata in described_fields(cls):
+            assert name != "seed" or metadata["maximum"] == MAX_SEED, cls
+
+
 def test_a_schema_has_the_first_line_the_defaults_and_no_hidden_field():
     schema = section_schema(Outer, hidden=["loud"])
     assert schema["description"] == "What is outside."
-    assert set(schema["properties"]) == {"inner", "sizes", "words", "name"}
+    assert set(schema["properties"]) == {"inner", "sizes", "words", "name", "code"}
     assert schema["properties"]["sizes"]["default"] == [2, 1]
     assert section_schema(Outer, "Another.")["description"] == "Another."
 

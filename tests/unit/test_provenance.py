@@ -35,9 +35,8 @@ def package(tmp_path, monkeypatch):
 
 def fresh(script):
     """A digest as another process would make it."""
-    provenance._syntax.cache_clear()
-    provenance._imported.cache_clear()
-    provenance._data.cache_clear()
+    provenance._read.cache_clear()
+    provenance._files.cache_clear()
     return provenance.code_digest(script)
 
 
@@ -77,5 +76,5 @@ def test_code_digest_sees_the_data_that_a_module_names(package):
 
 
 def test_code_digest_of_a_real_module_reaches_lazy_imports():
-    reached = provenance._imported(provenance.PACKAGE / "corpora" / "adapters.py")
+    reached = provenance._read(provenance.PACKAGE / "corpora" / "adapters.py").imports
     assert provenance.PACKAGE / "corpora" / "grid.py" in reached

@@ -38,6 +38,11 @@ class Published:
     preference: Mapping[str, float] = field(default_factory=dict)
 
 
+def published_names() -> list[str]:
+    """Keys of all files of published figures."""
+    return sorted(path.stem for path in FOLDER.glob("*.yaml"))
+
+
 @cache
 def published(key: str) -> Published | None:
     """The figures of one file; None for the empty key.
@@ -53,7 +58,7 @@ def published(key: str) -> Published | None:
     """
     if not key:
         return None
-    known = sorted(path.stem for path in FOLDER.glob("*.yaml"))
+    known = published_names()
     if key not in known:
         raise SettingError(f"`published: {key}` is not known. Known: {', '.join(known)}; leave it empty for none.")
     return published_of(read_yaml(FOLDER / f"{key}.yaml"), key)

@@ -1,11 +1,9 @@
 """Settings of stacks of feed-forward and BLSTM layers; without torch, for planning."""
 
-import re
 from dataclasses import dataclass
 from typing import ClassVar
 
-from visualspeech.errors import SettingError
-from visualspeech.fields import Settings, setting
+from visualspeech.fields import Settings, setting, setting_error
 
 #: Hidden layers at most; each one is a job's memory and time.
 MAX_LAYERS = 16
@@ -22,8 +20,9 @@ class StackSettings(Settings):
 
     letters: str = setting(
         "FBB",
-        "Hidden layers from the input up, one capital letter each: F feed-forward, B bidirectional LSTM; for example "
-        "FBB.",
+        f"Hidden layers from the input up, one capital letter each, at most {MAX_LAYERS}: F feed-forward, B "
+        "bidirectional LSTM; for example FBB.",
+        pattern=f"[FB]{{1,{MAX_LAYERS}}}",
     )
     nodes: int = setting(128, "Width of a hidden layer, for example 128.", minimum=1, maximum=4096)
     b_nodes: str = setting(
@@ -34,16 +33,9 @@ class StackSettings(Settings):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        if not re.fullmatch(f"[FB]{{1,{MAX_LAYERS}}}", self.letters):
-            raise SettingError(
-                f"`models`: letters {self.letters!r}: a stack is named by the letters F (feed-forward) and B (BLSTM), "
-                f"one a hidden layer from the input up, at most {MAX_LAYERS}; for example FBB."
-            )
         if self.b_nodes == "layer" and "B" in self.letters and self.nodes % 2:
-            raise SettingError(
-                f"`models`: nodes {self.nodes} is odd; with `b_nodes: layer` the two directions of a B layer share its "
-                "nodes. Give an even number."
-            )
+            rule = "even: with `b_nodes: layer` the two directions of a B layer share its nodes"
+            raise setting_error(type(self), "nodes", self.nodes, f"{rule}; write {self.nodes + 1}")
 
     @property
     def direction_nodes(self) -> int:

@@ -5,7 +5,7 @@ from dataclasses import dataclass, fields
 from typing import ClassVar
 
 from visualspeech.errors import SettingError
-from visualspeech.fields import Settings, setting
+from visualspeech.fields import MAX_SEED, Settings, setting
 
 #: Objectives of :mod:`visualspeech.models.objectives`, and batchers of :mod:`visualspeech.models.batches`.
 OBJECTIVES = ("sse", "mse", "ccc")
@@ -110,7 +110,7 @@ class TrainingSettings(Settings):
         minimum=0,
         below=1,
     )
-    seed: int = setting(1, "Seed of initial weights, order and dropout.", minimum=0, maximum=2**31 - 1)
+    seed: int = setting(1, "Seed of initial weights, order and dropout.", minimum=0, maximum=MAX_SEED)
 
 
 def training_fields() -> list[str]:
@@ -133,5 +133,5 @@ def training_settings(given: Mapping | None = None, **changes) -> TrainingSettin
     unknown = sorted(set(changes) - set(training_fields()))
     if unknown:
         known = ", ".join(training_fields())
-        raise SettingError(f"unknown setting `training.{unknown[0]}`. Known: {known}.")
+        raise SettingError(f"unknown setting `training.{unknown[0]}`. Known here: {known}.")
     return TrainingSettings(**{**PRESETS[optimiser], **changes})

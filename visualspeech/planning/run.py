@@ -4,27 +4,34 @@ A run's settings come from ``config.yaml``, from ``--configfile`` and ``--config
 name: corpora, systems, codings. What comes out is complete: rules hold no defaults.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 from itertools import product
 from pathlib import Path
 
 from visualspeech.errors import SettingError
+from visualspeech.face.aam.model import AamSettings
+from visualspeech.face.point_sets import point_set_names, read_point_set
+from visualspeech.fields import FieldError
 from visualspeech.planning.corpora import CorpusPlan, plan_corpus
 from visualspeech.planning.systems import (
     absolute_root,
-    check_coding,
-    check_speaker,
+    by_name,
     complete_system,
+    input_mistakes,
+    listed,
     missing_needs,
     read_named,
     read_systems,
-)
-from visualspeech.schema import check, fill_defaults, load_schema
+)  # fmt: skip
+from visualspeech.schema import fill_defaults, load_schema, mistakes, unknown
 
 #: Folders beside the systems' in a corpus's results; no system may have such a name.
 RESERVED = ("alignment", "audio", "benchmarks", "check", "codings", "corpus", "heads", "landmarks", "logs", "pose",
             "recordings", "tables", "truth")  # fmt: skip
+#: Keys that name files; what these say is checked with the files' own schemas.
+SELECTING = ("corpora", "systems", "override")
+KINDS = {"corpora": "corpus", "codings": "coding", "systems": "system"}
 
 
 def resolve(config: Mapping, folder: Path) -> dict:
@@ -37,38 +44,83 @@ def resolve(config: Mapping, folder: Path) -> dict:
     Raises
     ------
     SettingError
-        A key is unknown or mistyped, a value is of the wrong kind, or a named file does not exist.
+        A key is unknown or mistyped, a value is of the wrong kind, or a named file does not exist; a line for each
+        mistake, all mistakes of one sort at once: first keys and values, then what does not go together.
     """
-    schemas = folder.parent / "workflow" / "schemas"
-    run_schema = load_schema(schemas / "run.schema.yaml")
-    check(config, run_schema)
-    settings = fill_defaults(config, run_schema)
-    override = settings["override"]
-    systems, codings = read_systems(
-        _listed(settings["systems"]), override.get("codings") or {}, override.get("systems") or {}, folder
-    )
-    corpora = [
-        absolute_root(_unwrapped(read_named(one, "corpora", folder / "corpora")), one, folder / "corpora")
-        for one in _listed(settings["corpora"])
+    schemas = {
+        name: load_schema(folder.parent / "workflow" / "schemas" / f"{name}.schema.yaml")
+        for name in ("run", "system", "coding", "corpus")
+    }
+    misplaced = [
+        key for key in config if key not in schemas["run"]["properties"] and key in schemas["system"]["properties"]
     ]
-    systems = _checked(systems, "systems", load_schema(schemas / "system.schema.yaml"))
-    codings = _checked(codings, "codings", load_schema(schemas / "coding.schema.yaml"))
-    for coding in codings.values():
-        check_coding(coding)
-    corpora = _checked(_by_name(corpora, "corpora"), "corpora", load_schema(schemas / "corpus.schema.yaml"))
+    found = [
+        f"`{key}` is a key of systems, not of the run; write it below `override.systems` and the system's name."
+        for key in misplaced
+    ]
+    found += mistakes({key: value for key, value in config.items() if key not in misplaced}, schemas["run"])
+    if mistakes(config, _part(schemas["run"], SELECTING)):
+        raise SettingError("\n".join(found))
+    try:
+        systems, codings, corpora = _read(config, folder)
+    except SettingError as error:
+        raise SettingError("\n".join([*found, str(error)])) from error
+    for key, entries in (("corpora", corpora), ("codings", codings), ("systems", systems)):
+        for name, entry in entries.items():
+            found += mistakes(entry, schemas[KINDS[key]], f"{key}.{name}")
+            found += input_mistakes(entry, f"{key}.{name}") if key == "systems" else []
+    if found:
+        raise SettingError("\n".join(found))
+    settings = fill_defaults(config, schemas["run"])
+    collect = _Collector()
     shares = settings["split"]
     if abs(sum(shares.values()) - 1) > 1e-6:
-        raise SettingError(f"`split`: the shares must sum to 1, they sum to {sum(shares.values()):g}.")
-    for name in systems:
-        if name.lower() in RESERVED:
-            raise SettingError(f"`systems`: {name} is the name of a folder of the results; give the system another.")
-    systems = {name: complete_system(system, settings["seed"]) for name, system in systems.items()}
-    check_speaker(settings["speak"], systems)
+        collect.found.append(f"`split`: the shares must sum to 1, they sum to {sum(shares.values()):g}.")
+    corpora = {name: fill_defaults(one, schemas["corpus"], f"corpora.{name}") for name, one in corpora.items()}
+    codings = {
+        name: collect(_complete_coding, coding, schemas["coding"], f"codings.{name}")
+        for name, coding in codings.items()
+    }
+    systems = {
+        name: collect(_complete_system, system, schemas["system"], settings["seed"]) for name, system in systems.items()
+    }
+    collect.found += [] if collect.found else _speak_mistakes(settings["speak"], systems)
+    if collect.found:
+        raise SettingError("\n".join(collect.found))
     return {**settings, "corpora": corpora, "systems": systems, "codings": codings}
 
 
-def _listed(given) -> list:
-    return list(given) if isinstance(given, list | tuple) else [given]
+class _Collector:
+    """Calls functions and keeps their errors, so that all of them are reported at once."""
+
+    def __init__(self) -> None:
+        self.found: list[str] = []
+
+    def __call__(self, function, *arguments):
+        try:
+            return function(*arguments)
+        except SettingError as error:
+            self.found.append(str(error))
+
+
+def _part(schema: Mapping, keys: Collection[str]) -> dict:
+    """What an object's schema says of some of its keys."""
+    return {
+        "type": "object",
+        "required": [key for key in keys if key in schema["required"]],
+        "properties": {key: schema["properties"][key] for key in keys},
+    }
+
+
+def _read(config: Mapping, folder: Path) -> tuple[dict, dict, dict]:
+    """Systems, codings and corpora that a run names, each by name; only what it takes to read them is checked."""
+    override = config.get("override", {})
+    systems, codings = read_systems(config["systems"], override.get("codings", {}), override.get("systems", {}), folder)
+    corpora = [
+        (where, absolute_root(_unwrapped(read_named(one, where, folder / "corpora")), one, folder / "corpora"))
+        for where, one in listed(config["corpora"], "corpora")
+    ]
+    return systems, codings, by_name(corpora, "corpora")
 
 
 def _unwrapped(corpus: dict) -> dict:
@@ -79,35 +131,43 @@ def _unwrapped(corpus: dict) -> dict:
     return corpus
 
 
-def _by_name(entries: Sequence[dict], key: str) -> dict[str, dict]:
-    found: dict[str, dict] = {}
-    for entry in entries:
-        name = str(entry["name"])
-        if name.lower() in map(str.lower, found):
-            raise SettingError(f"`{key}` names {name} more than once (capitals do not count); give each its own name.")
-        found[name] = entry
-    return found
-
-
-def _checked(entries: Mapping[str, dict], key: str, schema: Mapping) -> dict[str, dict]:
-    """Entries that fit a schema, with all defaults filled in.
+def _complete_coding(coding: Mapping, schema: Mapping, where: str) -> dict:
+    """A coding that fits its schema, with all defaults.
 
     Raises
     ------
     SettingError
-        They do not fit; the messages name the place below ``key``.
+        Its point set is unknown, or it asks for more components than its images and points can have.
     """
-    check(
-        {key: dict(entries)},
-        {"type": "object", "properties": {key: {"type": "object", "additionalProperties": schema}}},
-    )
-    filled = {}
-    for name, entry in entries.items():
-        try:
-            filled[name] = fill_defaults(entry, schema)
-        except SettingError as error:
-            raise SettingError(f"`{key}.{name}`: {error}") from error
+    filled = fill_defaults(coding, schema, where)
+    if filled["points"] not in point_set_names():
+        raise SettingError(unknown(f"{where}.points", filled["points"], point_set_names(), "point set"))
+    try:
+        points = read_point_set(filled["points"])
+        AamSettings(**filled["aam"]).check_possible(filled["aam"]["images"], points.freedom)
+    except FieldError as error:
+        raise error.at("aam", f"{where}.aam") from None
     return filled
+
+
+def _complete_system(system: Mapping, schema: Mapping, seed: int) -> dict:
+    where = f"systems.{system['name']}"
+    if system["name"].lower() in RESERVED:
+        raise SettingError(
+            f"`{where}`: {system['name']} is the name of a folder of the results; give the system another."
+        )
+    return complete_system(fill_defaults(system, schema, where), seed)
+
+
+def _speak_mistakes(speak: Mapping, systems: Mapping[str, Mapping]) -> list[str]:
+    """What is wrong with the system and the model that speak."""
+    system = speak["system"] or next(iter(systems))
+    if system not in systems:
+        return [unknown("speak.system", system, list(systems), "selected system")]
+    models = [row["name"] for row in systems[system]["rows"] if row["role"] != "floor"]
+    if speak["model"] and speak["model"] not in models:
+        return [unknown("speak.model", speak["model"], models, f"model of {system}")]
+    return []
 
 
 @dataclass(frozen=True)

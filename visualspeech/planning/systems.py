@@ -1,19 +1,16 @@
 """The systems of a run: their files with what they extend, their codings, and which corpora they can run on."""
 
 import os
-from collections.abc import Collection, Mapping, Sequence
-from dataclasses import fields
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from visualspeech.errors import SettingError
-from visualspeech.evaluation.published_results import published
-from visualspeech.face.aam.model import AamSettings
-from visualspeech.face.point_sets import read_point_set
+from visualspeech.evaluation.published_results import published_names
 from visualspeech.features.blocks.base import block_class, block_kinds
-from visualspeech.fields import with_defaults
-from visualspeech.models.registry import expand
+from visualspeech.fields import section_schema, with_defaults
+from visualspeech.models.registry import expand, model_mistakes
 from visualspeech.models.rows import ModelRow
-from visualspeech.schema import did_you_mean
+from visualspeech.schema import check, mistakes, unknown
 from visualspeech.settings import merged, read_yaml
 
 #: What a system may need of a corpus, and how a message says that it is missing.
@@ -26,15 +23,21 @@ NEEDS = {
     "one_speaker": "recordings of one speaker (select one with `speaker` of the corpus)",
     "emotion": "an emotion label of the utterances",
 }
+#: A name, which becomes a folder of the results.
+NAME = {
+    "type": "string",
+    "pattern": r"^[A-Za-z0-9][A-Za-z0-9_-]{0,63}\Z",
+    "description": "Folder of the results: at most 64 letters, digits, - and _.",
+}
 
 
-def read_named(given, key: str, folder: Path) -> dict:
+def read_named(given, where: str, folder: Path) -> dict:
     """One of a list of named things: a name in a folder of the configuration, the path of a YAML file, or a mapping.
 
     Parameters
     ----------
     given : name, path ending in ``.yaml``, or mapping
-    key : of the settings, for messages
+    where : its place in the settings, for messages
     folder : of the files that are known by name
 
     Returns
@@ -44,85 +47,155 @@ def read_named(given, key: str, folder: Path) -> dict:
     Raises
     ------
     SettingError
-        The name is unknown, or a mapping has no name.
+        The name is unknown, a file cannot be read, or a mapping has no name.
     """
     if isinstance(given, Mapping):
-        if not isinstance(given.get("name"), str):
-            raise SettingError(f"`{key}`: an entry that is a mapping needs a `name`.")
+        check(given, {"type": "object", "required": ["name"], "properties": {"name": NAME}}, where)
         return dict(given)
-    known = sorted(path.stem for path in folder.glob("*.yaml"))
-    if isinstance(given, str) and given in known:
+    known = sorted(_names(folder))
+    if given in known:
         path = folder / f"{given}.yaml"
     elif isinstance(given, str) and given.endswith((".yaml", ".yml")):
         path = Path(given)
     else:
-        raise SettingError(
-            f"`{key}: {given}` is not known. Known: {', '.join(known)}." + did_you_mean(str(given), known)
-        )
-    return {"name": path.stem, **read_yaml(path)}
+        raise SettingError(f"{unknown(where, given, known)} Or give the path of a YAML file.")
+    found = {"name": path.stem, **read_yaml(path)}
+    check(found, {"type": "object", "properties": {"name": NAME}}, str(path))
+    return found
 
 
-def extended(given, key: str, folder: Path, override: Mapping, seen: Sequence[str] = ()) -> dict:
+def extended(given, kind: str, folder: Path, override: Mapping, where: str = "", seen: Sequence[str] = ()) -> dict:
     """A named mapping laid over the one that it ``extends``, the run's own changes over both.
 
     The changes of a name that is extended count for what extends it too: an overlay that changes ``fan2015`` changes
     ``fan2015_50hz`` alike.
+
+    Parameters
+    ----------
+    given : name, path or mapping
+    kind : systems or codings
+    folder : of the files that are known by name
+    override : the run's own changes, by name
+    where : place of ``given`` in the settings, for messages; empty: ``kind``
+    seen : names that led here by ``extends``
 
     Raises
     ------
     SettingError
         As :func:`read_named`, or the chain of ``extends`` leads back to itself.
     """
-    own = read_named(given, key, folder)
+    where = where or kind
+    own = read_named(given, where, folder)
     name, above = own["name"], own.pop("extends", None)
+    if name in seen:
+        raise SettingError(f"`{where}: {given}` leads back to {name} ({' -> '.join([*seen, name])}); extend another.")
     if above is not None:
-        if not isinstance(above, str) or above in (*seen, name):
-            raise SettingError(f"`{key}.{name}.extends: {above}` must name another file that does not lead back to it.")
-        below = extended(above, f"{key}.{name}.extends", folder, override, (*seen, name))
+        below = extended(above, kind, folder, override, f"{kind}.{name}.extends", (*seen, name))
         own = {**merged(below, own), "name": name}
-    return {**merged(own, override.get(name) or {}), "name": name}
+    return {**merged(own, override.get(name, {})), "name": name}
 
 
-def read_systems(given: Sequence, codings_override: Mapping, systems_override: Mapping, folder: Path):
+def read_systems(given, codings_override: Mapping, systems_override: Mapping, folder: Path):
     """The systems and codings that a run selects, before their schema is checked: two mappings by name.
 
     Raises
     ------
     SettingError
-        As :func:`extended`; two codings of one name differ; or a change names a system or coding that is not there.
+        As :func:`extended`; two systems or two different codings have one name; or a change names a system or coding
+        that is not there.
     """
-    systems, codings = {}, {}
-    for entry in given:
-        system = extended(entry, "systems", folder / "systems", systems_override)
-        if str(system["name"]).lower() in map(str.lower, systems):
-            raise SettingError(f"`systems` names {system['name']} more than once (capitals do not count).")
-        if not system.get("coding"):
-            raise SettingError(
-                f"`systems.{system['name']}` lacks `coding`. Known: {', '.join(_names(folder / 'codings'))}."
-            )
-        coding = extended(system.get("coding"), f"systems.{system['name']}.coding", folder / "codings",
-                          codings_override)  # fmt: skip
+    entries = []
+    for where, one in listed(given, "systems"):
+        system = extended(one, "systems", folder / "systems", systems_override, where)
+        entries.append((where, system))
+    systems, codings = by_name(entries, "systems"), {}
+    for name, system in systems.items():
+        if "coding" not in system:
+            continue  # its schema says so
+        where = f"systems.{name}.coding"
+        coding = extended(system["coding"], "codings", folder / "codings", codings_override, where)
         if codings.setdefault(coding["name"], coding) != coding:
             raise SettingError(
-                f"two systems define a coding named {coding['name']} with different settings; give one another name."
+                f"`{where}`: another system defines a coding named {coding['name']} with different settings; give one "
+                "of them another name."
             )
-        systems[system["name"]] = {**system, "coding": coding["name"]}
+        systems[name] = {**system, "coding": coding["name"]}
     _check_override(systems_override, "systems", {*systems, *_names(folder / "systems")})
     _check_override(codings_override, "codings", {*codings, *_names(folder / "codings")})
     return systems, codings
 
 
-def _names(folder: Path) -> list[str]:
-    return sorted(path.stem for path in folder.glob("*.yaml"))
+def listed(given, key: str) -> list[tuple[str, object]]:
+    """Entries of a key that may be a list or a single one, each with its place in the settings."""
+    if isinstance(given, list | tuple):
+        return [(f"{key}.{number}", one) for number, one in enumerate(given)]
+    return [(key, given)]
+
+
+def by_name(entries: Sequence[tuple[str, dict]], key: str) -> dict[str, dict]:
+    """Mappings by their name, from (place in the settings, mapping).
+
+    Raises
+    ------
+    SettingError
+        Two have one name.
+    """
+    found: dict[str, dict] = {}
+    for where, entry in entries:
+        name = entry["name"]
+        if name.lower() in map(str.lower, found):
+            raise SettingError(f"`{where}: {name}`: `{key}` names {name} more than once (capitals do not count); give "
+                               "each its own name.")  # fmt: skip
+        found[name] = entry
+    return found
+
+
+def _names(folder: Path) -> set[str]:
+    return {path.stem for path in folder.glob("*.yaml")}
 
 
 def _check_override(override: Mapping, key: str, known: set[str]) -> None:
-    for name in override:
-        if name not in known:
-            raise SettingError(
-                f"`override.{key}.{name}` is not known. Known: {', '.join(sorted(known))}."
-                + did_you_mean(str(name), sorted(known))
-            )
+    found = [unknown(f"override.{key}", name, sorted(known)) for name in override if name not in known]
+    for name, changes in override.items():
+        found += [
+            f"`override.{key}.{name}.{fixed}` cannot be changed for one run; write it in the file of a {key[:-1]} of "
+            "its own."
+            for fixed in ("name", "extends")
+            if fixed in changes
+        ]
+    if found:
+        raise SettingError("\n".join(found))
+
+
+def input_mistakes(system: Mapping, where: str) -> list[str]:
+    """What is wrong with a system's blocks and models, a sentence for each mistake; the rest is its schema's.
+
+    Parameters
+    ----------
+    system : with or without its defaults
+    where : its place in the settings, for messages
+    """
+    blocks = system.get("blocks")
+    if not isinstance(blocks, Mapping):
+        return []
+    given = {str(name): block for name, block in blocks.items() if isinstance(block, Mapping)}
+    found = [said for name, block in given.items() for said in _block_mistakes(block, f"{where}.blocks.{name}")]
+    models = system.get("models")
+    return found + (model_mistakes(models, given, f"{where}.models") if isinstance(models, Mapping) else [])
+
+
+def block_schema(kind: str) -> dict:
+    """JSON Schema of an input block of a kind."""
+    cls = block_class(kind).settings
+    naming = {"enum": block_kinds(), "description": "Kind of input block."}
+    own = section_schema(cls)["properties"] if cls else {}
+    return {"type": "object", "additionalProperties": False, "properties": {"kind": naming, **own}}
+
+
+def _block_mistakes(block: Mapping, where: str) -> list[str]:
+    naming = {"kind": {"enum": block_kinds(), "description": "Kind of input block."}}
+    found = mistakes(block, {"type": "object", "required": ["kind"], "properties": naming}, where)
+    return found or mistakes(block, block_schema(block["kind"]), where)
 
 
 def complete_system(system: Mapping, seed: int) -> dict:
@@ -141,21 +214,21 @@ def complete_system(system: Mapping, seed: int) -> dict:
     Raises
     ------
     SettingError
-        A block, an entry of ``models`` or a model that is named elsewhere is mistaken.
+        A block, an entry of ``models`` or a model that is named elsewhere is mistaken; a line for each mistake.
     """
     where = f"systems.{system['name']}"
+    found = input_mistakes(system, where)
+    if found:
+        raise SettingError("\n".join(found))
     blocks = {name: _block(block, f"{where}.blocks.{name}") for name, block in system["blocks"].items() if block}
     seeds = system["seeds"] or [seed]
     rows = expand(system["models"], blocks, system["training"], seeds, f"{where}.models")
+    found = _naming_mistakes(system, rows, where)
+    if found:
+        raise SettingError("\n".join(found))
     models = [row for row in rows if row.role == "model"]
     shown = system["videos"]["model"] or (models[0].name if models else "training_mean")
-    _row_named(shown, rows, f"{where}.videos.model")
-    tables = system["tables"]
-    published(system["published"])
-    entries = list(dict.fromkeys([*system["models"], *(row.group for row in rows), *(row.name for row in rows)]))
-    for key, names in {"topologies": tables["topologies"], **tables["gains"]}.items():
-        for name in names:
-            _check_known(name, entries, f"{where}.tables.{key if key in tables else f'gains.{key}'}")
+    gains = system["tables"]["gains"]
     return {
         **{key: value for key, value in system.items() if key not in ("models", "training", "seeds")},
         "seeds": seeds,
@@ -163,53 +236,49 @@ def complete_system(system: Mapping, seed: int) -> dict:
         "rows": [row.plain() for row in rows],
         "videos": {**system["videos"], "model": shown},
         "tables": {
-            **tables,
-            "topologies": _of_groups(tables["topologies"], rows),
-            "gains": {key: _of_groups(names, rows) for key, names in tables["gains"].items()},
+            **system["tables"],
+            "topologies": _of_groups(system["tables"]["topologies"], rows),
+            "gains": {key: _of_groups(names, rows) for key, names in gains.items()},
         },
-        "preference": {**system["preference"], "models": _pair(system, shown, rows, where)},
+        "preference": {**system["preference"], "models": _pair(system, shown, rows)},
     }
-
-
-def check_speaker(speak: Mapping, systems: Mapping[str, Mapping]) -> None:
-    """Check that ``speak`` names a system of the run and one of its models.
-
-    Raises
-    ------
-    SettingError
-        It does not.
-    """
-    if speak["system"]:
-        _check_known(speak["system"], systems, "speak.system")
-    system = systems[speak["system"] or next(iter(systems))]
-    if speak["model"]:
-        _row_named(speak["model"], [ModelRow.of(row) for row in system["rows"]], "speak.model")
 
 
 def _block(block: Mapping, where: str) -> dict:
     """Kind and settings of an input block, defaults filled in."""
-    kind, kinds = block.get("kind"), block_kinds()
-    if kind not in kinds:
-        raise SettingError(
-            f"`{where}.kind: {kind}` is unknown. Known: {', '.join(kinds)}." + did_you_mean(str(kind), kinds)
-        )
     given = {name: value for name, value in block.items() if name != "kind"}
-    cls = block_class(kind).settings
-    known = [one.name for one in fields(cls)] if cls else []
-    for name in given:
-        if name not in known:
-            raise SettingError(f"unknown setting `{where}.{name}`. Known here: {', '.join(['kind', *known])}.")
-    try:
-        return {"kind": kind, "settings": with_defaults(cls, given) if cls else {}}
-    except SettingError as error:
-        raise SettingError(f"`{where}`: {error}") from error
+    cls = block_class(block["kind"]).settings
+    return {"kind": block["kind"], "settings": with_defaults(cls, given, where=where) if cls else {}}
 
 
-def _check_known(name: str, known: Collection[str], where: str) -> None:
-    if name not in known:
-        raise SettingError(
-            f"`{where}: {name}` is unknown. Known: {', '.join(known)}." + did_you_mean(str(name), list(known))
-        )
+def _naming_mistakes(system: Mapping, rows: Sequence[ModelRow], where: str) -> list[str]:
+    """What is wrong with the names of models in videos, preference and tables."""
+    trained = [row.name for row in rows if row.role != "floor"]
+    known = list(dict.fromkeys([*system["models"], *(row.name for row in rows)]))
+    pair, tables = system["preference"]["models"], system["tables"]
+    found = []
+    if system["published"] and system["published"] not in published_names():
+        found.append(unknown(f"{where}.published", system["published"], published_names()))
+    for key, names in {
+        "tables.topologies": tables["topologies"],
+        **{f"tables.gains.{name}": names for name, names in tables["gains"].items()},
+    }.items():
+        found += [
+            unknown(f"{where}.{key}.{number}", name, known, "entry of `models` and no row")
+            for number, name in enumerate(names)
+            if name not in known
+        ]
+    shown = system["videos"]["model"]
+    if shown and shown not in trained:
+        found.append(unknown(f"{where}.videos.model", shown, trained, "model of the system"))
+    found += [
+        unknown(f"{where}.preference.models.{number}", name, trained, "model of the system")
+        for number, name in enumerate(pair)
+        if name not in trained
+    ]
+    if len(pair) == 1:
+        found.append(f"`{where}.preference.models: [{pair[0]}]` must name two models, or none to have them chosen.")
+    return found
 
 
 def _of_groups(names: Sequence[str], rows: Sequence[ModelRow]) -> list[str]:
@@ -217,46 +286,15 @@ def _of_groups(names: Sequence[str], rows: Sequence[ModelRow]) -> list[str]:
     return [row.name for name in names for row in rows if name in (row.group, row.name)]
 
 
-def _row_named(name: str, rows: Sequence[ModelRow], where: str) -> ModelRow:
-    found = next((row for row in rows if row.name == name), None)
-    if found is None or found.role == "floor":
-        known = [row.name for row in rows if row.role != "floor"]
-        raise SettingError(f"`{where}: {name}` is no model of the system. Known: {', '.join(known)}."
-                           + did_you_mean(name, known))  # fmt: skip
-    return found
-
-
-def _pair(system: Mapping, shown: str, rows: Sequence[ModelRow], where: str) -> list[str]:
+def _pair(system: Mapping, shown: str, rows: Sequence[ModelRow]) -> list[str]:
     """The two models of a preference test: as given, or the shown one and the last reference or baseline."""
     names = system["preference"]["models"]
-    if len(names) == 1:
-        raise SettingError(f"`{where}.preference.models: [{names[0]}]` must name two models, or none for the default.")
-    if not names:
-        others = [row.name for row in rows if row.role == "model" and row.family != _family(shown, rows)]
-        others = others or [row.name for row in rows if row.role == "baseline"]
-        names = [shown, next(name for name in reversed(others) if name != shown)]
-    for name in names:
-        _row_named(name, rows, f"{where}.preference.models")
-    return list(names)
-
-
-def _family(name: str, rows: Sequence[ModelRow]) -> str:
-    return next(row.family for row in rows if row.name == name)
-
-
-def check_coding(coding: Mapping) -> None:
-    """Check that a visual coding can have the components that its settings ask for.
-
-    Raises
-    ------
-    SettingError
-        It cannot, or its point set is unknown.
-    """
-    try:
-        settings = AamSettings(**coding["aam"])
-        settings.check_possible(settings.images, read_point_set(coding["points"]).freedom)
-    except SettingError as error:
-        raise SettingError(f"`codings.{coding['name']}`: {error}") from error
+    if names:
+        return list(names)
+    family = next(row.family for row in rows if row.name == shown)
+    others = [row.name for row in rows if row.role == "model" and row.family != family]
+    others = others or [row.name for row in rows if row.role == "baseline"]
+    return [shown, next((name for name in reversed(others) if name != shown), "training_mean")]
 
 
 def missing_needs(system: Mapping, gives: frozenset[str]) -> list[str]:

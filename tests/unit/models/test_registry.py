@@ -76,7 +76,7 @@ def test_like_takes_over_settings_and_from_a_model_too():
     }
     found = {one.name: one for one in rows(chain)}
     assert found["tied"].settings["states"] == 3 and found["mge"].settings["states"] == 4
-    assert [found[name].parent for name in ("hmm", "tied", "mge", "other")] == ["", "hmm", "tied", ""]
+    assert [found[name].parent for name in ("hmm", "tied", "mge", "other")] == ["", "hmm", "tied", "tied"]
     assert found["other"].settings["variant"] == "mge" and found["other"].reads == ("track",)
     assert [found[name].title for name in ("hmm", "tied", "mge")] == [
         "First", "tied-state triphone HMM", "MGE-trained HMM",
@@ -98,7 +98,7 @@ def test_settings_of_training_are_merged_over_those_of_the_system():
 
 def test_none_leaves_an_entry_out():
     assert names({"nets": NETS, "hmm": None}) == names({"nets": NETS})
-    with pytest.raises(SettingError, match="`models.tied`: 'hmm' is no entry of `models`. Known: nets, tied"):
+    with pytest.raises(SettingError, match="`models.tied.from: hmm` is no entry of `models`. Known: nets."):
         rows({"nets": NETS, "hmm": None, "tied": {"from": "hmm", "variant": "tied"}})
 
 
@@ -125,27 +125,27 @@ def test_rows_are_plain_data_and_come_back():
     ("models", "said"),
     [
         ({"nets": {**NETS, "family": "stak"}}, "`models.nets.family: stak` .*Did you mean `stack`"),
-        ({"nets": {"letters": "F"}}, "`models.nets` lacks `family`. Known: stack, hmm"),
+        ({"nets": {"letters": "F"}}, "`models.nets` lacks `family`. Family .* Known: stack, hmm"),
         ({"nets": {**NETS, "node": 3}}, r"unknown setting `models.nets.node`. Did you mean `nodes`\? Known"),
         ({"nets": {**NETS, "seed": 3}}, "unknown setting `models.nets.seed`"),
-        ({"nets": {**NETS, "reads": ["trj"]}}, r"`models.nets.reads`: 'trj' is no input block .*Did you mean `tri`"),
-        ({"nets": {**NETS, "reads": []}}, "`models.nets.reads` must name the input blocks that the model reads: tri"),
-        ({"hmm": {"family": "hmm"}}, "`models.hmm.reads` must name the input blocks"),
+        ({"nets": {**NETS, "reads": ["trj"]}}, r"`models.nets.reads.0: trj` must be one of tri, .*Did you mean `tri`"),
+        ({"nets": {**NETS, "reads": []}}, r"`models.nets.reads: \[\]` must have at least 1 entry"),
+        ({"hmm": {"family": "hmm"}}, "`models.hmm` lacks `reads`. Input blocks .* Known: tri, track, parts"),
         ({"m": {"family": "mean", "reads": ["tri"]}}, "`models.m.reads` must be left out"),
-        ({"nets": {**NETS, "letters": ["FXB"]}}, "`models.nets`: .*'FXB': a stack is named by the letters"),
-        ({"nets": {**NETS, "letters": []}}, r"`models.nets.letters: \[\]` must have at least one entry"),
-        ({"nets": {**NETS, "nodes": [0]}}, "`models.nets`: `models.nodes: 0` must be at least 1"),
-        ({"nets": {**NETS, "nodes": 15, "b_nodes": "layer"}}, "`models.nets`: .*nodes 15 is odd"),
-        ({"nets": {**NETS, "training": {"dropout": 1}}}, "`models.nets`: `training.dropout: 1` must be"),
-        ({"nets": {**NETS, "training": {"drop": 1}}}, "`models.nets`: unknown setting `training.drop`"),
-        ({"hmm": {**HMM, "training": {"dropout": 0}}}, "`models.hmm.training`: the family hmm is not trained by"),
-        ({"hmm": {**HMM, "variant": "triphone"}}, "`models.hmm`: .*variant: triphone` must be one of monophone"),
-        ({"nets": {**NETS, "letters": ["F", "F"]}}, "`models.nets`: two rows are named F-64; give one a `suffix`"),
+        ({"nets": {**NETS, "letters": ["FXB"]}}, "`models.nets.letters.0: FXB` must be of this form: Hidden layers"),
+        ({"nets": {**NETS, "letters": []}}, r"`models.nets.letters: \[\]` must have at least 1 entry"),
+        ({"nets": {**NETS, "nodes": [0]}}, "`models.nets.nodes.0: 0` must be at least 1"),
+        ({"nets": {**NETS, "nodes": 15, "b_nodes": "layer"}}, "`models.nets.nodes: 15` must be even: with `b_nodes: l"),
+        ({"nets": {**NETS, "training": {"dropout": 1}}}, "`models.nets.training.dropout: 1` must be"),
+        ({"nets": {**NETS, "training": {"drop": 1}}}, "unknown setting `models.nets.training.drop`. Did you mean `dro"),
+        ({"hmm": {**HMM, "training": {"dropout": 0}}}, "`models.hmm.training` is for networks; the family hmm is trai"),
+        ({"hmm": {**HMM, "variant": "triphone"}}, "`models.hmm.variant: triphone` must be one of monophone"),
+        ({"nets": {**NETS, "letters": ["F", "F"]}}, r"`models.nets.letters: \[F, F\]` names F more than once"),
         ({"nets": NETS, "more": {"like": "nets"}}, "`models.more`: two rows are named FBB-64"),
-        ({"nets": NETS, "more": {"like": "net"}}, r"`models.more`: 'net' is no entry of `models`.*Did you mean `nets`"),
-        ({"a": {"like": "b"}, "b": {"from": "a"}}, "`like` and `from` lead back to a"),
-        ({"a": {"like": "a"}}, "`like` and `from` lead back to a"),
-        ({"nets": NETS, "more": {"from": "nets", "suffix": "b"}}, "`models.more.from: nets` is no row. Known: FBB-64"),
+        ({"nets": NETS, "more": {"like": "net"}}, r"`models.more.like: net` is no entry of `models`.*Did you mean `ne"),
+        ({"a": {"like": "b"}, "b": {"from": "a"}}, "`models.a.like: b` leads back to a; name another entry"),
+        ({"a": {"like": "a"}}, "`models.a.like: a` leads back to a; name another entry"),
+        ({"nets": NETS, "more": {"from": "nets", "suffix": "b"}}, "`models.more.from: nets` asks for a model for each"),
     ],
 )  # fmt: skip
 def test_every_mistake_is_a_sentence(models, said):
@@ -251,7 +251,7 @@ def test_a_new_family_is_a_module_and_an_entry(last, tmp_path):
     assert names(models) == ["last-1", "last-2"]
     with pytest.raises(SettingError, match=r"unknown setting `models.last.facto`. Did you mean `factor`\?"):
         rows({"last": {**models["last"], "facto": 3}})
-    with pytest.raises(SettingError, match="`models.last`: `models.factor: 10` must be at least 0 and at most 9"):
+    with pytest.raises(SettingError, match="`models.last.factor: 10` must be at least 0 and at most 9"):
         rows({"last": {**models["last"], "factor": 10}})
     training = utterances(3)
     settings = row(models, "last-2").settings

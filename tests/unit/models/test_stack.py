@@ -126,7 +126,7 @@ def test_gradient_by_finite_difference(objective):
 
 @pytest.mark.parametrize("letters", ["FXB", "fbb", "", "FBB-128", "F B", "F" * (MAX_LAYERS + 1)])
 def test_letters_that_are_no_stack(letters):
-    with pytest.raises(SettingError, match="a stack is named by the letters F .* for example FBB"):
+    with pytest.raises(SettingError, match="must be of this form: Hidden layers .* for example FBB"):
         StackSettings(letters, 128)
 
 

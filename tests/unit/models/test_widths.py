@@ -69,7 +69,7 @@ def test_a_saved_network_keeps_its_reading(tmp_path):
 
 
 def test_wrong_widths_are_named():
-    with pytest.raises(SettingError, match="is odd"):
+    with pytest.raises(SettingError, match="must be even: with `b_nodes: layer`"):
         StackSettings("FB", 5, "layer")
     StackSettings("FF", 5, "layer")
     with pytest.raises(SettingError, match="b_nodes: both.*direction, layer"):

@@ -21,12 +21,12 @@ from typing import NamedTuple
 
 import numpy as np
 
-from visualspeech.errors import DataError, SettingError
+from visualspeech.errors import DataError
 from visualspeech.face.aam.empca import Rows, em_pca, pca
 from visualspeech.face.coding import CodedFaces
 from visualspeech.face.drift import FaceReference, Faces, remove, remove_shape
 from visualspeech.face.point_sets import PointSet, read_point_set, to_points
-from visualspeech.fields import MAX_SEED, Settings, restored, setting
+from visualspeech.fields import MAX_SEED, FieldError, Settings, restored, setting
 from visualspeech.jobs import log
 from visualspeech.storage import read_model_of, write_model
 
@@ -137,26 +137,24 @@ class AamSettings(Settings):
         for name, found in limits.items():
             asked, (most, why) = getattr(self, name).get("components", 0), min(found)
             if asked > most:
-                raise SettingError(
-                    f"`aam.{name}.components: {asked}` is more than there can be: {why} give {most} at most. Ask for "
-                    f"fewer, or write an energy such as 0.95 in place of components."
-                )
+                said = f"is more than there can be: {why} give {most} at most. Ask for fewer, or write an energy such"
+                raise FieldError(f"aam.{name}.components", f": {asked}` {said} as 0.95 in place of components.")
 
 
 def _check_target(name: str, target: Mapping) -> None:
     if not isinstance(target, Mapping) or set(target) not in ({"energy"}, {"energy", "at_most"}, {"components"}):
-        raise SettingError(
-            f"`aam.{name}: {target}` must be energy (a fraction such as 0.99, with at_most beside it where the number "
-            "of components is to be capped) or components (a number)."
+        raise FieldError(
+            f"aam.{name}",
+            f": {target}` must be energy (a fraction such as 0.99, with at_most beside it where the number of "
+            "components is to be capped) or components (a number).",
         )
     for key, value in target.items():
         if key == "energy" and not (isinstance(value, int | float) and 0 < value < 1):
-            raise SettingError(f"`aam.{name}.energy: {value}` must be above 0 and below 1, for example 0.99.")
+            raise FieldError(f"aam.{name}.energy", f": {value}` must be above 0 and below 1, for example 0.99.")
         whole = isinstance(value, int) and not isinstance(value, bool)
         if key != "energy" and not (whole and 1 <= value <= MOST_COMPONENTS):
-            raise SettingError(
-                f"`aam.{name}.{key}: {value}` must be a whole number, at least 1 and at most {MOST_COMPONENTS}."
-            )
+            rule = f"must be a whole number, at least 1 and at most {MOST_COMPONENTS}."
+            raise FieldError(f"aam.{name}.{key}", f": {value}` {rule}")
 
 
 class Parameters(NamedTuple):

@@ -156,6 +156,11 @@ class PointSet:
         return points + np.stack([np.zeros(self.size), self.lowered * down], axis=1)
 
 
+def point_set_names() -> list[str]:
+    """Names of all point sets."""
+    return sorted(file.stem for file in Path(__file__).parent.glob("*.yaml"))
+
+
 def point_set_path(name: str) -> Path:
     """The file of a point set.
 
@@ -166,8 +171,7 @@ def point_set_path(name: str) -> Path:
     """
     path = Path(__file__).parent / f"{name}.yaml"
     if not path.is_file():
-        names = sorted(file.stem for file in path.parent.glob("*.yaml"))
-        raise SettingError(f"there is no point set {name!r}; give one of {', '.join(names)}.")
+        raise SettingError(f"there is no point set {name!r}; give one of {', '.join(point_set_names())}.")
     return path
 
 
