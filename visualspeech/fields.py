@@ -84,12 +84,12 @@ class Settings:
 
 
 class FieldError(SettingError):
-    """A value that a settings dataclass refuses.
+    """An invalid value of a field of a settings dataclass.
 
     Parameters
     ----------
-    key : of the value, from the section of its class on, for example ``aam.shape.components``
-    rest : what the message says after the key
+    key : of the value, beginning with the section of its class, for example ``aam.shape.components``
+    rest : the message after the key
     """
 
     def __init__(self, key: str, rest: str) -> None:
@@ -100,13 +100,13 @@ class FieldError(SettingError):
         return f"`{self.key}{self.rest}"
 
     def at(self, section: str, where: str) -> "FieldError":
-        """The same of a run's settings, in which the section has the place ``where``."""
+        """The same error with the key as in a run's settings, where the section has the path ``where``."""
         inner = self.key.removeprefix(section).removeprefix(".")
         return FieldError(f"{where}.{inner}" if inner else where, self.rest)
 
 
 def setting_error(cls, name: str, value, rule: str) -> FieldError:
-    """An error that says of a field's value what it must be: `` `pose.noise: 0` must be <rule>. <description>``."""
+    """The error for an invalid value of a field: `` `pose.noise: 0` must be <rule>. <description>``."""
     key = f"{cls.section}.{name}" if cls.section else name
     shown = list(value) if isinstance(value, tuple) else value
     description = next((metadata["description"] for one, _, metadata in described_fields(cls) if one == name), "")
@@ -218,7 +218,7 @@ def _field_schema(kind, metadata: Mapping) -> dict:
 
 
 def with_defaults(cls, given: Mapping, hidden: Sequence[str] = (), where: str = "") -> dict:
-    """All fields of a section as plain data (lists, not tuples): what is given, and the defaults of what is not.
+    """All fields of a section as plain data (lists, not tuples): the given values, and defaults for the others.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""Settings against their schema: every mistake as a sentence that names the setting, the rule and the way out.
+"""Check of settings against their schema; each error is a sentence that names the setting, the rule and the fix.
 
 The schema is a YAML file. An object ``{settings: "visualspeech.face.head:PoseSettings", hidden: [seed]}`` in it stands
 for the schema of that dataclass (:func:`visualspeech.fields.section_schema`), so that defaults, bounds and descriptions
@@ -39,9 +39,9 @@ _LIMITS = {
 
 
 def load_schema(path: str | Path) -> dict:
-    """A schema file as JSON Schema, with the sections that stand for settings dataclasses written out.
+    """A schema file as JSON Schema, with references to settings dataclasses expanded.
 
-    Such a section keeps its keys ``settings`` and ``hidden``, from which :func:`fill_defaults` knows its defaults.
+    An expanded section keeps its keys ``settings`` and ``hidden``, by which :func:`fill_defaults` finds its defaults.
 
     Raises
     ------
@@ -52,7 +52,7 @@ def load_schema(path: str | Path) -> dict:
 
 
 def fill_defaults(settings: Mapping, schema: Mapping, where: str = "") -> dict:
-    """A copy of settings with all defaults filled in; neither argument is changed.
+    """A copy of settings with all defaults filled in.
 
     Sections of settings dataclasses get the defaults of their fields, other keys the ``default`` of their schema where
     it has one. A section that is not given is filled as an empty one.
@@ -72,7 +72,7 @@ def fill_defaults(settings: Mapping, schema: Mapping, where: str = "") -> dict:
 
 
 def _written_out(node):
-    """A schema node with every reference to a settings dataclass replaced by the derived schema."""
+    """A schema node with every reference to a settings dataclass replaced by the schema derived from it."""
     if isinstance(node, list):
         return [_written_out(inner) for inner in node]
     if not isinstance(node, Mapping):
@@ -89,7 +89,7 @@ def _is_section(node: Mapping) -> bool:
 
 
 def settings_class(name: str):
-    """The class of this package that ``module:Class`` names.
+    """The class of this package named ``module:Class``.
 
     Raises
     ------
@@ -129,7 +129,7 @@ def _filled(given, schema: Mapping, root: Mapping, where: str):
         fields = section_schema(cls, hidden=hidden)["properties"]
         own = {key: value for key, value in filled.items() if key in fields}
         filled |= with_defaults(cls, own, hidden, where)
-    # In the order of the schema, however the files write them: a job whose settings are the same does not run again.
+    # Keys are in the order of the schema, so that a job does not run again when only their order in the files changes.
     return {key: filled[key] for key in dict.fromkeys((*known, *filled)) if key in filled}
 
 
@@ -138,7 +138,7 @@ def _below(where: str, key) -> str:
 
 
 def check(settings: Mapping, schema: Mapping, where: str = "") -> None:
-    """Hold settings against a JSON schema; see :func:`mistakes`.
+    """Check settings against a JSON schema; see :func:`mistakes`.
 
     Raises
     ------
@@ -151,7 +151,7 @@ def check(settings: Mapping, schema: Mapping, where: str = "") -> None:
 
 
 def mistakes(settings: Mapping, schema: Mapping, where: str = "") -> list[str]:
-    """What is wrong with settings by a JSON schema, in which a whole number is no 16.0 and no number infinite or NaN.
+    """Errors of settings by a JSON schema; 16.0 does not count as a whole number, nor infinity and NaN as numbers.
 
     Parameters
     ----------
@@ -160,7 +160,7 @@ def mistakes(settings: Mapping, schema: Mapping, where: str = "") -> list[str]:
 
     Returns
     -------
-    A sentence for each mistake, in the order of the keys' paths.
+    One sentence per error, in the order of the keys' paths.
     """
     problems = sorted(_validator()(schema).iter_errors(settings), key=lambda error: list(map(str, error.absolute_path)))
     return list(dict.fromkeys(sentence for problem in problems for sentence in _sentences(problem, where)))
@@ -177,7 +177,7 @@ def _validator():
 
 
 def did_you_mean(word: str, known: Sequence[str]) -> str:
-    """A question that names the known word nearest to a mistyped one; empty where none is near."""
+    """A question with the known word nearest to a mistyped one; empty if none is similar."""
     close = difflib.get_close_matches(word, known, n=1)
     return f" Did you mean `{close[0]}`?" if close else ""
 
@@ -194,7 +194,7 @@ def _is_number(value, kind) -> bool:
 
 
 def _sentences(problem, above: str) -> list[str]:
-    """What one error of the validator says to a person; several unknown or missing keys are several mistakes."""
+    """The sentences for one error of the validator: one for each unknown or missing key, else a single one."""
     where = ".".join(str(part) for part in ([above] if above else []) + list(problem.absolute_path))
     if problem.validator == "additionalProperties":
         known = sorted(problem.schema.get("properties", {}))
@@ -225,7 +225,7 @@ def _unknown_key(where: str, key, known: Sequence[str]) -> str:
 
 
 def _rule(problem) -> str:
-    """What a value must be, said of it; the schema's own description follows."""
+    """The broken rule as the predicate of a sentence about the value."""
     rule, limit, value = problem.validator, problem.validator_value, problem.instance
     if rule in _LIMITS:
         return f"must be {_range(problem.schema)}"
@@ -255,21 +255,21 @@ def _rule(problem) -> str:
 
 
 def _of_type(kinds: Sequence[str], value, schema: Mapping) -> str:
-    """The types that a value may have, with its limits and how to write what was surely meant."""
+    """The allowed types of a value, with its bounds and how to write what was probably meant."""
     words = [_KINDS[kind] for kind in kinds if kind != "null"]
     listed = " or ".join(filter(None, (", ".join(words[:-1]), words[-1])))
     bounds = _range(schema) if {"integer", "number"} & set(kinds) else ""
-    ways = [_way_out(kind, value) for kind in sorted(kinds, key="string".__ne__)]
+    ways = [_suggestion(kind, value) for kind in sorted(kinds, key="string".__ne__)]
     return f"{listed}{', ' * bool(bounds)}{bounds}{next(filter(None, ways), '')}"
 
 
 def _range(schema: Mapping) -> str:
-    """All limits of a number: ``at least 1 and at most 20``; empty where it has none."""
+    """All bounds of a number in words, ``at least 1 and at most 20``; empty if it has none."""
     return " and ".join(words.format(schema[key]) for key, words in _LIMITS.items() if key in schema)
 
 
-def _way_out(kind: str, value) -> str:
-    """How to write what was surely meant; YAML has its own ideas of what is a number and what is a text."""
+def _suggestion(kind: str, value) -> str:
+    """How to write what was probably meant, where YAML reads text as a number or a number as text."""
     if kind == "string" and isinstance(value, bool):
         return _BOOLEANS
     if kind == "string" and isinstance(value, int | float):
