@@ -5,10 +5,10 @@ from collections.abc import Mapping
 from hashlib import sha256
 
 from visualspeech.corpora.records import Utterance
+from visualspeech.corpora.split import SPLITS
 from visualspeech.errors import CorpusError, SettingError
 
 LEGAL_ID = re.compile(r"[A-Za-z0-9_][A-Za-z0-9_.-]*")
-SPLITS = ("train", "validation", "test")
 
 
 def _folder(corpus: Mapping) -> list[Utterance]:

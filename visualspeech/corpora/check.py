@@ -139,7 +139,7 @@ def _check_frames(scan: reading.VideoScan, info: reading.MediaInfo, settings: Ch
     damaged = len(scan.damaged)
     if damaged > settings.max_damaged_share * (len(scan.times) + damaged):
         raise RejectedUtterance(
-            f"{damaged} of {len(scan.times)} frames are damaged", "Copy the recording again from its source."
+            f"{damaged} of {len(scan.times) + damaged} frames are damaged", "Copy the recording again from its source."
         )
     if damaged:
         times = ", ".join(f"{time:.2f}" for time in scan.damaged[:5])

@@ -6,7 +6,7 @@ from collections.abc import Iterable, Sequence
 from visualspeech.corpora.records import Utterance
 from visualspeech.errors import CorpusError, SettingError
 
-NAMES = ("train", "validation", "test")
+SPLITS = ("train", "validation", "test")
 
 
 def split_utterances(
@@ -29,7 +29,7 @@ def split_utterances(
     if any(one.split for one in utterances):
         return _given_split(utterances)
     if len(fractions) != 3 or min(fractions) <= 0 or abs(sum(fractions) - 1) > 1e-6:
-        shown = ", ".join(f"{name} {share:g}" for name, share in zip(NAMES, fractions, strict=False))
+        shown = ", ".join(f"{name} {share:g}" for name, share in zip(SPLITS, fractions, strict=False))
         raise SettingError(f"the shares of `split` are {shown}; give three numbers above 0 whose sum is 1.")
     speakers: dict[str, list[Utterance]] = {}
     for one in utterances:
@@ -54,7 +54,7 @@ def _split_speaker(utterances: Sequence[Utterance], fractions: Sequence[float], 
         others[others.index(max(others))] -= 1
     borders = (count - sum(others), count - others[1], count)
     ordered = sorted(utterances, key=lambda one: hashlib.sha256(f"{seed}:{one.id}".encode()).digest())
-    return {one.id: NAMES[sum(index >= border for border in borders)] for index, one in enumerate(ordered)}
+    return {one.id: SPLITS[sum(index >= border for border in borders)] for index, one in enumerate(ordered)}
 
 
 def _given_split(utterances: list[Utterance]) -> dict[str, str]:
@@ -65,7 +65,7 @@ def _given_split(utterances: list[Utterance]) -> dict[str, str]:
             f"{without[0].media}: utterance {without[0].id} has no split, while others have one "
             f"({len(without)} of {len(utterances)} are without). Give all utterances a split, or none."
         )
-    for name in NAMES:
+    for name in SPLITS:
         if not any(one.split == name for one in utterances):
             raise CorpusError(
                 f"the corpus's own split has no utterance in {name!r}. Mark some utterances {name}, or leave the split "

@@ -9,6 +9,7 @@ import numpy as np
 
 from visualspeech import __version__
 from visualspeech.corpora.records import Utterance
+from visualspeech.corpora.split import SPLITS
 from visualspeech.corpora.table import of_split
 from visualspeech.evaluation import plots
 from visualspeech.evaluation.forms import fragment_of
@@ -22,7 +23,6 @@ from visualspeech.provenance import command, commit
 from visualspeech.speech.alignment import read_alignments
 from visualspeech.storage import ArrayCollection, ArrayReader, read_table, read_text
 
-SPLITS = ("train", "validation", "test")
 LIBRARIES = ("numpy", "scipy", "torch", "opencv-contrib-python-headless", "dlib-bin", "pocketsphinx", "av", "snakemake")
 
 #: Maximum number of networks in one panel of learning curves; more are drawn in one panel per topology.

@@ -7,6 +7,7 @@ from pathlib import Path
 from urllib.parse import quote
 
 from visualspeech.corpora.findings import REJECT, Finding
+from visualspeech.corpora.split import SPLITS
 from visualspeech.evaluation.timings import StageTiming
 
 TEMPLATES = Path(__file__).parent / "templates"
@@ -161,7 +162,7 @@ def render_report(content: ReportContent) -> str:
         most=MAX_FINDINGS,
         settings=_settings_text(content.settings),
         total=sum(timing.seconds for timing in content.timings),
-        splits=[name for name in ("train", "validation", "test") if name in content.utterances],
+        splits=[name for name in SPLITS if name in content.utterances],
         made=[
             (name, text)
             for name, text in (("commit", content.commit), ("date", content.date), ("command", content.command))

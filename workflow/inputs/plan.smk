@@ -7,7 +7,7 @@ from snakemake.io import strip_wildcard_constraints
 from visualspeech.errors import VisualSpeechError
 from visualspeech.planning.corpora import hold
 from visualspeech.planning.run import plan_run
-from visualspeech.provenance import code_digest
+from visualspeech.provenance import code_digest, digest
 
 try:
     PLAN = plan_run(config, Path(workflow.basedir, "config"))
@@ -57,6 +57,16 @@ def recordings(wildcards):
     return PLAN.corpora[wildcards.corpus].media[wildcards.shard]
 
 
+def carried(function):
+    """Params function: data of a job that Snakemake neither compares nor prints; :func:`marked` stands for it."""
+    return lambda wildcards, input: function(wildcards)
+
+
+def marked(function):
+    """Params function: digest of what :func:`carried` hands to a job, which re-runs it where that changes."""
+    return lambda wildcards: digest(function(wildcards))
+
+
 def code(script, *modules, data=()):
     """Digest of the library code that a workflow script reaches; as a param it re-runs a rule when that code changes."""
     return code_digest(Path(workflow.basedir, "workflow", "scripts", script), *modules, data=data)
@@ -89,3 +99,13 @@ def for_corpora(pattern):
         )
     ]
     return list(dict.fromkeys(paths))
+
+
+def utterances_of(wildcards):
+    """The utterances of a shard as plain data."""
+    return PLAN.corpora[wildcards.corpus].rows(wildcards.shard)
+
+
+def split_of(wildcards):
+    """The split of a corpus: id -> train, validation or test."""
+    return PLAN.corpora[wildcards.corpus].split

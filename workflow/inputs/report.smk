@@ -89,3 +89,8 @@ def reported_files(wildcards):
             values = value if isinstance(value, list) else [value]
             files += [path for path in values if isinstance(path, str) and path.startswith(SETTINGS["results"])]
     return list(dict.fromkeys(files))
+
+
+def reported_settings(wildcards):
+    """The settings that a report shows: all that is in effect."""
+    return {key: value for key, value in SETTINGS.items() if key != "override"}

@@ -84,3 +84,17 @@ def systems_of(wildcards):
 def of_systems(function):
     """Input function: what another one gives for each system of the corpus, one after the other."""
     return lambda wildcards: [path for one in systems_of(wildcards) for path in function(one)]
+
+
+def tabulated(wildcards):
+    """What the table across systems is made from."""
+    return [
+        {
+            "title": system_of(one)["title"] or one.system,
+            "rows": plain_rows()(one),
+            "statistics": statistics_of()(one),
+            "coding": of_coding("model.safetensors")(one),
+            "facts": facts_of(one),
+        }
+        for one in systems_of(wildcards)
+    ]

@@ -4,7 +4,8 @@ rule list_utterances:
     log:
         "<corpus>/logs/list_utterances/{shard}.log",
     params:
-        rows=lambda wildcards: PLAN.corpora[wildcards.corpus].rows(wildcards.shard),
+        rows=carried(utterances_of),
+        rows_digest=marked(utterances_of),
         code=code("list_utterances.py"),
     script:
         "../scripts/list_utterances.py"
@@ -16,7 +17,8 @@ rule write_split:
     log:
         "<corpus>/logs/write_split.log",
     params:
-        split=lambda wildcards: PLAN.corpora[wildcards.corpus].split,
+        split=carried(split_of),
+        split_digest=marked(split_of),
         code=code("write_split.py"),
     script:
         "../scripts/write_split.py"

@@ -46,7 +46,8 @@ rule tally_preference:
     log:
         "<system>/logs/tally_preference.log",
     params:
-        rows=plain_rows(names=of_preference),
+        rows=carried(plain_rows(names=of_preference)),
+        rows_digest=marked(plain_rows(names=of_preference)),
         facts=facts_of,
         published=lambda wildcards: system_of(wildcards)["published"],
         code=code("tally_preference.py"),

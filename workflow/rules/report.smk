@@ -15,8 +15,10 @@ rule write_report:
     params:
         corpus=lambda wildcards: wildcards.corpus,
         consent=lambda wildcards: PLAN.corpora[wildcards.corpus].consent,
-        systems=reported,
-        settings={key: value for key, value in SETTINGS.items() if key != "override"},
+        systems=carried(reported),
+        systems_digest=marked(reported),
+        settings=carried(reported_settings),
+        settings_digest=marked(reported_settings),
         code=code("write_report.py"),
     script:
         "../scripts/write_report.py"

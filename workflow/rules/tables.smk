@@ -31,7 +31,8 @@ rule tabulate_results:
     log:
         "<system>/logs/tabulate_results.log",
     params:
-        rows=plain_rows(),
+        rows=carried(plain_rows()),
+        rows_digest=marked(plain_rows()),
         facts=facts_of,
         settings=table_settings,
         bootstrap=lambda wildcards: system_of(wildcards)["tables"]["bootstrap"],
@@ -51,7 +52,8 @@ rule tabulate_topologies:
     log:
         "<system>/logs/tabulate_topologies.log",
     params:
-        rows=plain_rows(names=of_topologies),
+        rows=carried(plain_rows(names=of_topologies)),
+        rows_digest=marked(plain_rows(names=of_topologies)),
         facts=facts_of,
         settings=table_settings,
         published=lambda wildcards: system_of(wildcards)["published"],
@@ -70,7 +72,8 @@ rule compare_models:
     log:
         "<system>/logs/compare_models.log",
     params:
-        rows=plain_rows(("model", "baseline")),
+        rows=carried(plain_rows(("model", "baseline"))),
+        rows_digest=marked(plain_rows(("model", "baseline"))),
         facts=facts_of,
         settings=table_settings,
         comparison=lambda wildcards: system_of(wildcards)["tables"]["comparison"],
@@ -92,7 +95,8 @@ rule tabulate_gains:
     log:
         "<system>/logs/tabulate_gains.log",
     params:
-        rows=plain_rows(names=of_gains),
+        rows=carried(plain_rows(names=of_gains)),
+        rows_digest=marked(plain_rows(names=of_gains)),
         candidates=lambda wildcards: system_of(wildcards)["tables"]["gains"]["candidates"],
         references=lambda wildcards: system_of(wildcards)["tables"]["gains"]["references"],
         facts=facts_of,
@@ -116,16 +120,8 @@ rule tabulate_systems:
     log:
         "<corpus>/logs/tabulate_systems.log",
     params:
-        systems=lambda wildcards: [
-            {
-                "title": system_of(one)["title"] or one.system,
-                "rows": plain_rows()(one),
-                "statistics": statistics_of()(one),
-                "coding": of_coding("model.safetensors")(one),
-                "facts": facts_of(one),
-            }
-            for one in systems_of(wildcards)
-        ],
+        systems=carried(tabulated),
+        systems_digest=marked(tabulated),
         bootstrap=lambda wildcards: system_of(systems_of(wildcards)[0])["tables"]["bootstrap"],
         seed=SEED,
         digits=lambda wildcards: system_of(systems_of(wildcards)[0])["tables"]["digits"],
