@@ -6,20 +6,9 @@ SPEAK = SETTINGS["speak"]
 
 
 def speaking():
-    """(corpus, system, model) of every speaker: one for each corpus on which the system that speaks runs.
-
-    Raises
-    ------
-    WorkflowError
-        The system or the model is not there, or a text or voice cannot be spoken.
-    """
-    system = SPEAK["system"] or next(iter(SETTINGS["systems"]))
-    if system not in SETTINGS["systems"]:
-        raise WorkflowError(f"`speak.system: {system}` is not selected. Selected: {', '.join(SETTINGS['systems'])}.")
+    """(corpus, system, model) of every speaker: one for each corpus on which the system that speaks runs."""
+    system = SPEAK["system"] or next(name for _, name in PLAN.pairs)
     model = SPEAK["model"] or SETTINGS["systems"][system]["videos"]["model"]
-    known = [row.name for row in rows_of(system, ("model", "baseline"))]
-    if model not in known:
-        raise WorkflowError(f"`speak.model: {model}` is no model of {system}. Known: {', '.join(known)}.")
     return [(corpus, system, model) for corpus, name in PLAN.pairs if name == system]
 
 

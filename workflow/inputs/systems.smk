@@ -69,6 +69,7 @@ def model_code(script):
 
 
 def heads_of(wildcards):
+    """The heads of all speakers of the corpus."""
     return filled(
         "<corpus>/heads/{speaker}.safetensors", wildcards, speaker=list(PLAN.corpora[wildcards.corpus].speakers)
     )
