@@ -225,7 +225,8 @@ def test_a_read_only_results_folder_is_a_sentence(tmp_path):
     done = snakemake(tmp_path, "all")
     assert done.returncode != 0
     assert "cannot write to the results folder" in done.stdout, done.stdout
-    assert "Permission denied" in done.stdout and "Traceback" not in done.stdout
+    assert "Permission denied" in done.stdout or "Operation not permitted" in done.stdout  # by the kind of folder
+    assert "Traceback" not in done.stdout and "rule " not in done.stdout
 
 
 def test_a_full_disk_is_a_sentence(tmp_path):
