@@ -23,6 +23,7 @@ rule train_model:
         "<system>/benchmarks/train_model/{model}.tsv"
     wildcard_constraints:
         model=TRAINED,
+    priority: 10
     threads: 1
     resources:
         mem_mb=2000,

@@ -20,6 +20,7 @@ rule render_videos:
         "<system>/logs/render_videos.log",
     benchmark:
         "<system>/benchmarks/render_videos.tsv"
+    priority: 20
     threads: 1
     resources:
         mem_mb=1500,
