@@ -7,6 +7,7 @@ import pytest
 from tests.workflow.running import snakemake
 
 
+@pytest.hookimpl(tryfirst=True)  # before the workers read the mark
 def pytest_collection_modifyitems(items):
     """Keep the tests of this folder on one worker: they share a finished run."""
     for item in items:
