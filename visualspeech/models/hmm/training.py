@@ -67,8 +67,9 @@ def fit_tied(monophone: Hmm, training: Sequence[Example]) -> Hmm:
     columns, centre = _layout(training)
     if monophone.tying.layout != (columns, centre):
         raise DataError(
-            f"the monophone HMMs were trained on contexts of {monophone.tying.columns} columns, the utterances have "
-            f"{columns}; train the monophone HMMs again."
+            f"the monophone HMMs were trained on phone contexts of {monophone.tying.columns} columns, the phone in "
+            f"column {monophone.tying.centre}; those of the utterances have {columns}, the phone in column {centre}. "
+            "Train the monophone HMMs again."
         )
     untied = _Untied(_contexts(training), settings.states)
     parent = monophone.tying.find(untied.contexts).ravel()

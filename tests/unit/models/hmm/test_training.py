@@ -130,7 +130,7 @@ def test_data_that_does_not_fit(tied):
         tied.predict(wide[0][0], 5, rate)
     with pytest.raises(DataError, match="differ in the layout"):
         fit_monophones([*TRAINING[:2], *wide], PHONES, SMALL)
-    with pytest.raises(DataError, match="contexts of 3 columns, the utterances have 5"):
+    with pytest.raises(DataError, match="contexts of 3 columns, .* utterances have 5"):
         fit_tied(fit_monophones(TRAINING[:2], PHONES, SMALL), wide)
 
 
