@@ -1,18 +1,11 @@
-"""One complete run of the smallest configuration, shared by the tests that look at it."""
+"""One complete run of the smallest configuration, shared by the tests that look at it.
 
-from pathlib import Path
+Every module here carries the same group mark, so that parallel test workers make that run once.
+"""
 
 import pytest
 
 from tests.workflow.running import snakemake
-
-
-@pytest.hookimpl(tryfirst=True)  # before the workers read the mark
-def pytest_collection_modifyitems(items):
-    """Keep the tests of this folder on one worker: they share a finished run."""
-    for item in items:
-        if Path(__file__).parent in item.path.parents:
-            item.add_marker(pytest.mark.xdist_group("workflow"))
 
 
 @pytest.fixture(scope="session")

@@ -15,6 +15,8 @@ from tests.workflow.running import TINY, command, of_coding, of_system, snakemak
 from visualspeech.media.reading import read_audio, read_frames
 from visualspeech.storage import read_table
 
+pytestmark = pytest.mark.xdist_group("workflow")
+
 GOOD = 9
 
 

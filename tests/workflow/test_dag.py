@@ -7,6 +7,8 @@ import pytest
 from tests.paths import REPOSITORY, grid_root
 from tests.workflow.running import files_of, of_coding, of_system, overlay, planned_rules, snakemake, tiny_corpus
 
+pytestmark = pytest.mark.xdist_group("workflow")
+
 OVERLAYS = sorted(path for path in (REPOSITORY / "config").glob("*.yaml") if path.name != "config.yaml")
 RECORDING = {"record_demo", "check_recordings", "align_speech", "track_landmarks", "fit_head", "normalise_pose"}
 

@@ -1,6 +1,10 @@
 """`source` of a visual coding decides where the faces come from that are coded."""
 
+import pytest
+
 from tests.workflow.running import of_coding, overlay, planned_rules, snakemake
+
+pytestmark = pytest.mark.xdist_group("workflow")
 
 
 def test_fitting_is_planned_where_it_is_asked_for(tmp_path):

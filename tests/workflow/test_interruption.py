@@ -9,6 +9,8 @@ import pytest
 
 from tests.workflow.running import command, snakemake, tables
 
+pytestmark = pytest.mark.xdist_group("workflow")
+
 #: The run is killed when a file that matches appears: early, in the middle of the shards, in training, at the end.
 MOMENTS = [
     "recordings",

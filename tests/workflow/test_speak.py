@@ -10,6 +10,8 @@ from tests.workflow import running
 from tests.workflow.running import planned_rules, snakemake
 from visualspeech.media.reading import probe
 
+pytestmark = pytest.mark.xdist_group("workflow")
+
 TEXTS = ["Hello there.", "A big map. Please buy the pie!"]
 
 

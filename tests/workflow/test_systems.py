@@ -8,6 +8,8 @@ import yaml
 from tests.workflow.running import TINY, of_system, overlay, planned_rules, snakemake
 from visualspeech.storage import read_table
 
+pytestmark = pytest.mark.xdist_group("workflow")
+
 #: A second system by settings alone: another topology, another rate, no HMMs, on the same coding.
 SECOND = {
     "name": "second",

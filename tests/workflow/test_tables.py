@@ -2,8 +2,12 @@
 
 import shutil
 
+import pytest
+
 from tests.workflow.running import of_system, overlay, snakemake
 from visualspeech.storage import read_table
+
+pytestmark = pytest.mark.xdist_group("workflow")
 
 
 def planned(folder, target, configfiles):
