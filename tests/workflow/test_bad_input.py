@@ -244,6 +244,13 @@ def test_a_full_disk_is_a_sentence(tmp_path):
 
 def test_the_repository_has_no_unsafe_reader():
     unsafe = ("import pickle", "torch.load(", "allow_pickle=True", "shell=True", "yaml.load(")
-    for path in (REPOSITORY / "visualspeech").rglob("*.py"):
+    sources = [
+        path
+        for folder in ("visualspeech", "workflow")
+        for path in (REPOSITORY / folder).rglob("*")
+        if path.suffix in (".py", ".smk")
+    ]
+    assert {path.suffix for path in sources} >= {".py", ".smk"}
+    for path in [REPOSITORY / "Snakefile", *sources]:
         text = path.read_text()
         assert not [word for word in unsafe if word in text], path
