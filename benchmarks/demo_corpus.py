@@ -19,7 +19,7 @@ from benchmarks.command import run_main
 from visualspeech.corpora.demo.listing import utterances
 from visualspeech.corpora.demo.recording import read_truth, record_shard
 from visualspeech.media.reading import read_frames
-from visualspeech.storage import ArrayReader
+from visualspeech.storage.arrays import ArrayReader
 
 UPPER, LOWER = [61, 62, 63], [67, 66, 65]
 

@@ -24,7 +24,8 @@ from typing import NamedTuple
 from visualspeech.errors import StorageError, VisualSpeechError
 from visualspeech.evaluation.metrics import METRICS
 from visualspeech.models.registry import FAMILIES
-from visualspeech.storage import read_model_settings, read_text, write_text
+from visualspeech.storage.files import read_text, write_text
+from visualspeech.storage.models import read_model_settings
 
 FOLDER = Path(__file__).with_suffix("")
 COLUMNS = ("corpus", "system", "row", "metric", "value", "tolerance")

@@ -23,7 +23,8 @@ from visualspeech.models.registry import FAMILIES, load_model
 from visualspeech.models.rows import ModelRow
 from visualspeech.models.task import Model, Task
 from visualspeech.speech.alignment import Alignment, read_alignments
-from visualspeech.storage import ArrayCollection, read_model_settings
+from visualspeech.storage.arrays import ArrayCollection
+from visualspeech.storage.models import read_model_settings
 
 #: Variants of HMMs in the order of their training, each from the one before.
 VARIANTS = ("monophone", "tied", "mge")

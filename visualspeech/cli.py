@@ -82,7 +82,7 @@ def _parser() -> argparse.ArgumentParser:
 
 def _speak(given: argparse.Namespace) -> None:
     from visualspeech.speech.sentences import check_pronounceable
-    from visualspeech.storage import check_writable
+    from visualspeech.storage.files import check_writable
 
     text = _text(given)
     if given.output.suffix.lower() != ".mp4":

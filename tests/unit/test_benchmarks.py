@@ -72,7 +72,8 @@ FIGURES = {"FBB-8": ("1.000", "100.000", "0.700"), "training_mean": ("2.000", "0
 
 def run_of(folder: Path, figures=FIGURES, facts=FACTS) -> Path:
     """Folder of a corpus with the result table of one system; ``FBB-8`` is a network."""
-    from visualspeech.storage import write_model, write_text
+    from visualspeech.storage.files import write_text
+    from visualspeech.storage.models import write_model
 
     system = folder / "results" / "demo" / "fan2015"
     lines = [f"# {name}: {text}" for name, text in facts.items()]

@@ -11,7 +11,7 @@ from tests.paths import REPOSITORY
 PACKAGE = Path(visualspeech.__file__).parent
 #: From the ground up; a module imports its own layer and those below. The ground is the modules beside the packages.
 LAYERS = (
-    ("ground",),
+    ("ground", "storage"),
     ("media",),
     ("corpora", "speech", "face"),
     ("features",),

@@ -7,19 +7,22 @@ import numpy as np
 import pandas
 import pytest
 
-from visualspeech import storage
 from visualspeech.errors import StorageError
+from visualspeech.storage.arrays import ArrayCollection, ArrayReader, ArrayWriter
+from visualspeech.storage.files import check_writable, copy_file, read_text, replacing, write_text
+from visualspeech.storage.models import read_model, write_model
+from visualspeech.storage.tables import read_table, write_table
 
 
 def write_arrays(path):
-    with storage.ArrayWriter(path, stage="test") as out:
+    with ArrayWriter(path, stage="test") as out:
         out.add("b.2", {"x": np.arange(6, dtype=np.float32).reshape(3, 2)}, rate=25.0, units={"x": "px"}, width=360)
         out.add("a-1", {"x": np.zeros((0, 2), np.float32), "y": np.array([True, False])}, rate=100.0)
 
 
 def test_arrays_come_back_with_rate_units_and_types(tmp_path):
     write_arrays(tmp_path / "s.h5")
-    with storage.ArrayReader(tmp_path / "s.h5") as arrays:
+    with ArrayReader(tmp_path / "s.h5") as arrays:
         assert arrays.ids == ["a-1", "b.2"] and "b.2" in arrays and "c" not in arrays
         assert arrays["b.2"]["x"].dtype == np.float32 and arrays["a-1"]["y"].dtype == bool
         np.testing.assert_array_equal(arrays["b.2"]["x"], [[0, 1], [2, 3], [4, 5]])
@@ -38,9 +41,9 @@ def test_same_arrays_same_bytes(tmp_path):
 
 def test_several_shards_read_as_one(tmp_path):
     for name in ("a", "b"):
-        with storage.ArrayWriter(tmp_path / f"{name}.h5") as out:
+        with ArrayWriter(tmp_path / f"{name}.h5") as out:
             out.add(name, {"x": np.ones(2)}, rate=1.0)
-    with storage.ArrayCollection([tmp_path / "b.h5", tmp_path / "a.h5"]) as arrays:
+    with ArrayCollection([tmp_path / "b.h5", tmp_path / "a.h5"]) as arrays:
         assert arrays.ids == ["a", "b"]
         np.testing.assert_array_equal(arrays["b"]["x"], [1, 1])
         with pytest.raises(StorageError, match="'c'"):
@@ -51,7 +54,7 @@ def test_a_failed_block_leaves_the_old_file_and_nothing_else(tmp_path):
     path = tmp_path / "s.h5"
     write_arrays(path)
     before = path.read_bytes()
-    with pytest.raises(RuntimeError, match="stop"), storage.ArrayWriter(path) as out:
+    with pytest.raises(RuntimeError, match="stop"), ArrayWriter(path) as out:
         out.add("half", {"x": np.zeros(3)}, rate=1.0)
         raise RuntimeError("stop")
     assert path.read_bytes() == before
@@ -60,13 +63,13 @@ def test_a_failed_block_leaves_the_old_file_and_nothing_else(tmp_path):
 
 def test_what_a_killed_job_left_is_replaced(tmp_path):
     (tmp_path / ".partial.t.txt").write_text("half")
-    storage.write_text(tmp_path / "t.txt", "whole")
+    write_text(tmp_path / "t.txt", "whole")
     assert [one.name for one in tmp_path.iterdir()] == ["t.txt"]
 
 
 def test_a_folder_is_replaced_as_a_whole(tmp_path):
     for content in ("old", "new"):
-        with storage.replacing(tmp_path / "folder") as folder:
+        with replacing(tmp_path / "folder") as folder:
             folder.mkdir()
             (folder / content).write_text(content)
     assert [one.name for one in (tmp_path / "folder").iterdir()] == ["new"]
@@ -74,38 +77,38 @@ def test_a_folder_is_replaced_as_a_whole(tmp_path):
 
 def test_a_file_is_copied(tmp_path):
     (tmp_path / "a").write_bytes(b"\x00\xff")
-    storage.copy_file(tmp_path / "a", tmp_path / "folder" / "b")
+    copy_file(tmp_path / "a", tmp_path / "folder" / "b")
     assert (tmp_path / "folder" / "b").read_bytes() == b"\x00\xff"
     with pytest.raises(StorageError, match="cannot read .*nowhere: there is no such file"):
-        storage.copy_file(tmp_path / "nowhere", tmp_path / "b")
+        copy_file(tmp_path / "nowhere", tmp_path / "b")
 
 
 def test_tables_keep_words_that_look_like_something_else(tmp_path):
     table = pandas.DataFrame(
         {"id": ["001", "1e5", "NA"], "word": ["null", "nan", ""], "x": [0.1, np.nan, 1 / 3], "n": [1, 2, 3]}
     )
-    storage.write_table(tmp_path / "t.tsv", table)
-    back = storage.read_table(tmp_path / "t.tsv", ("id", "word"))
+    write_table(tmp_path / "t.tsv", table)
+    back = read_table(tmp_path / "t.tsv", ("id", "word"))
     pandas.testing.assert_frame_equal(back, table, check_dtype=False)
     assert back["n"].dtype == np.int64
 
 
 def test_tables_keep_tabs_and_quotes(tmp_path):
     table = pandas.DataFrame({"id": ['"quoted" and\ttabbed']})
-    storage.write_table(tmp_path / "t.tsv", table)
-    assert storage.read_table(tmp_path / "t.tsv")["id"][0] == '"quoted" and\ttabbed'
+    write_table(tmp_path / "t.tsv", table)
+    assert read_table(tmp_path / "t.tsv")["id"][0] == '"quoted" and\ttabbed'
 
 
 def test_models_come_back_with_their_settings(tmp_path):
     tensors = {"w": np.arange(6.0).reshape(2, 3).T, "s": np.float32(3)}
-    storage.write_model(tmp_path / "m.safetensors", tensors, {"a": [1, 2], "b": "x"})
-    back, settings = storage.read_model(tmp_path / "m.safetensors")
+    write_model(tmp_path / "m.safetensors", tensors, {"a": [1, 2], "b": "x"})
+    back, settings = read_model(tmp_path / "m.safetensors")
     assert settings == {"a": [1, 2], "b": "x"}
     np.testing.assert_array_equal(back["w"], tensors["w"])
     assert back["s"].shape == ()
 
 
-@pytest.mark.parametrize("read", [storage.read_model, storage.ArrayReader, storage.read_table, storage.read_text])
+@pytest.mark.parametrize("read", [read_model, ArrayReader, read_table, read_text])
 def test_a_missing_or_broken_file_is_a_sentence(tmp_path, read):
     with pytest.raises(StorageError, match="missing"):
         read(tmp_path / "missing")
@@ -116,32 +119,35 @@ def test_a_missing_or_broken_file_is_a_sentence(tmp_path, read):
 
 def test_a_folder_that_cannot_be_written_is_a_sentence(tmp_path):
     (tmp_path / "file").write_text("")
-    for write in (lambda path: storage.write_text(path, "x"), write_arrays):
+    for write in (lambda path: write_text(path, "x"), write_arrays):
         with pytest.raises(StorageError, match="cannot write .*file/x"):
             write(tmp_path / "file" / "x")
 
 
 def test_an_error_of_another_file_is_not_blamed_on_the_written_one(tmp_path):
-    with pytest.raises(FileNotFoundError), storage.replacing(tmp_path / "out"):
+    with pytest.raises(FileNotFoundError), replacing(tmp_path / "out"):
         (tmp_path / "input").read_text()
 
 
 FULL = """
 import resource, signal, sys
 import numpy as np
-from visualspeech import storage
+from visualspeech.storage.arrays import ArrayCollection, ArrayReader, ArrayWriter
+from visualspeech.storage.files import check_writable, copy_file, read_text, replacing, write_text
+from visualspeech.storage.models import read_model, write_model
+from visualspeech.storage.tables import read_table, write_table
 from visualspeech.media import encoding, reading
 from visualspeech.errors import StorageError
 signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
 folder = sys.argv[1]
 noise = np.random.default_rng(0).integers(0, 255, (12, 240, 320, 3)).astype(np.uint8)
 def arrays(path):
-    with storage.ArrayWriter(path) as out:
+    with ArrayWriter(path) as out:
         out.add("a", {"x": np.zeros(200_000)}, rate=1.0)
         out.add("b", {"x": np.zeros(200_000)}, rate=1.0)
 jobs = {
-    "t.txt": lambda path: storage.write_text(path, "x" * 300_000),
-    "m.safetensors": lambda path: storage.write_model(path, {"x": np.zeros(100_000)}, {}),
+    "t.txt": lambda path: write_text(path, "x" * 300_000),
+    "m.safetensors": lambda path: write_model(path, {"x": np.zeros(100_000)}, {}),
     "a.h5": arrays,
     "v.mp4": lambda path: encoding.write_video(path, iter(noise), 25.0, np.zeros(20_000)),
 }
@@ -164,8 +170,8 @@ def test_a_full_disk_is_a_sentence_whatever_is_written(tmp_path):
 
 
 def test_whether_a_file_can_be_written_is_known_before(tmp_path):
-    storage.check_writable(tmp_path / "not" / "yet" / "there.mp4")
+    check_writable(tmp_path / "not" / "yet" / "there.mp4")
     assert not list(tmp_path.iterdir())
     (tmp_path / "file").write_text("")
     with pytest.raises(StorageError, match="cannot write .*out.mp4: Not a directory"):
-        storage.check_writable(tmp_path / "file" / "out.mp4")
+        check_writable(tmp_path / "file" / "out.mp4")

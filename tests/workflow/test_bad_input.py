@@ -13,7 +13,7 @@ from tests import synthetic
 from tests.paths import REPOSITORY
 from tests.workflow.running import TINY, command, of_coding, of_system, snakemake
 from visualspeech.media.reading import read_audio, read_frames
-from visualspeech.storage import read_table
+from visualspeech.storage.tables import read_table
 
 pytestmark = pytest.mark.xdist_group("workflow")
 

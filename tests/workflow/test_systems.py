@@ -6,7 +6,7 @@ import pytest
 import yaml
 
 from tests.workflow.running import TINY, of_system, overlay, planned_rules, snakemake
-from visualspeech.storage import read_table
+from visualspeech.storage.tables import read_table
 
 pytestmark = pytest.mark.xdist_group("workflow")
 

@@ -5,7 +5,7 @@ import shutil
 import pytest
 
 from tests.workflow.running import of_system, overlay, snakemake
-from visualspeech.storage import read_table
+from visualspeech.storage.tables import read_table
 
 pytestmark = pytest.mark.xdist_group("workflow")
 

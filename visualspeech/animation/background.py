@@ -14,7 +14,7 @@ from visualspeech.errors import DataError, StorageError
 from visualspeech.face.drift import FaceReference
 from visualspeech.face.pose import Pose
 from visualspeech.face.tracker import RIGID
-from visualspeech.storage import ArrayReader, ArrayWriter
+from visualspeech.storage.arrays import ArrayReader, ArrayWriter
 
 UPPER = np.r_[0:3, 14:17, 17:48]
 """Landmarks that do not move with speech but with blinks: temples, brows, nose, eyes."""

@@ -22,7 +22,8 @@ from visualspeech.models.inventory import phones_of
 from visualspeech.models.registry import load_model
 from visualspeech.models.task import Model
 from visualspeech.provenance import file_digest
-from visualspeech.storage import read_model_of, read_text, write_model, write_text
+from visualspeech.storage.files import read_text, write_text
+from visualspeech.storage.models import read_model_of, write_model
 
 KIND = "visualspeech speaker"
 VERSION = 2

@@ -16,7 +16,7 @@ from visualspeech.media.reading import read_frames
 from visualspeech.models.rest import resting_face
 from visualspeech.speech.alignment import read_alignments
 from visualspeech.speech.spoken import state_shares
-from visualspeech.storage import copy_file, replacing
+from visualspeech.storage.files import copy_file, replacing
 
 
 class RecordedFaces(NamedTuple):

@@ -308,14 +308,14 @@ def write_digests(path, digests: Mapping[str, str]) -> None:
     """Write the digests of a shard's recordings as a table (id, digest), sorted by id."""
     import pandas
 
-    from visualspeech.storage import write_table
+    from visualspeech.storage.tables import write_table
 
     write_table(path, pandas.DataFrame(sorted(digests.items()), columns=["id", "digest"]))
 
 
 def read_digests(paths: Iterable) -> dict[str, str]:
     """Read the digests of several shards: id -> digest."""
-    from visualspeech.storage import read_table
+    from visualspeech.storage.tables import read_table
 
     tables = [read_table(path, ("id", "digest")) for path in paths]
     return {name: digest for table in tables for name, digest in zip(table["id"], table["digest"], strict=True)}

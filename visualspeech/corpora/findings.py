@@ -4,7 +4,7 @@ from collections.abc import Iterable
 from dataclasses import asdict, dataclass, fields
 
 from visualspeech.errors import CorpusError, RejectedUtterance
-from visualspeech.storage import read_table, write_table
+from visualspeech.storage.tables import read_table, write_table
 
 REJECT, WARN = "reject", "warn"
 

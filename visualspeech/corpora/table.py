@@ -4,7 +4,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import asdict, fields
 
 from visualspeech.corpora.records import Utterance
-from visualspeech.storage import read_table, write_table
+from visualspeech.storage.tables import read_table, write_table
 
 TEXT = ("id", "speaker", "media", "transcript", "split", "emotion", "audio", "motion")
 

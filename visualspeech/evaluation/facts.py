@@ -54,7 +54,7 @@ class TableFacts:
         ----------
         given : ``corpus``, ``system``, ``coding``, ``drift``
         split : utterance -> split
-        shapes : shapes of the arrays of the coding's model (:func:`visualspeech.storage.read_shapes`)
+        shapes : shapes of the arrays of the coding's model (:func:`visualspeech.storage.models.read_shapes`)
         """
         return cls(
             **given,

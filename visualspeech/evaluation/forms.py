@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from visualspeech.errors import StorageError
 from visualspeech.evaluation.escaping import markdown, tex
 from visualspeech.evaluation.layout import Cell, Row, Table
-from visualspeech.storage import table_text
+from visualspeech.storage.tables import table_text
 
 PAGE_STYLE = (
     ":root{color-scheme:light dark}body{font:15px/1.5 system-ui,sans-serif;margin:2rem auto;max-width:min(92vw,110rem);"

@@ -21,7 +21,9 @@ from visualspeech.face.aam.reference import Reference
 from visualspeech.models.rows import ModelRow
 from visualspeech.provenance import command, commit
 from visualspeech.speech.alignment import read_alignments
-from visualspeech.storage import ArrayCollection, ArrayReader, read_table, read_text
+from visualspeech.storage.arrays import ArrayCollection, ArrayReader
+from visualspeech.storage.files import read_text
+from visualspeech.storage.tables import read_table
 
 LIBRARIES = ("numpy", "scipy", "torch", "opencv-contrib-python-headless", "dlib-bin", "pocketsphinx", "av", "snakemake")
 

@@ -13,7 +13,7 @@ import numpy as np
 from visualspeech.errors import StorageError
 from visualspeech.face.drift import FaceReference, Faces
 from visualspeech.face.point_sets import PointSet
-from visualspeech.storage import read_model_settings
+from visualspeech.storage.models import read_model_settings
 
 
 class CodedFaces(NamedTuple):

@@ -16,7 +16,7 @@ from visualspeech.face.camera import point_jacobian, rotation_matrices, solve_po
 from visualspeech.face.mean_face import MEAN_FACE
 from visualspeech.face.tracker import POINTS, RIGID
 from visualspeech.fields import Settings, restored, setting
-from visualspeech.storage import read_model_of, write_model
+from visualspeech.storage.models import read_model_of, write_model
 
 
 @dataclass(frozen=True)
@@ -122,7 +122,7 @@ class HeadModel:
 
     @classmethod
     def load(cls, path) -> "HeadModel":
-        """Read what :meth:`save` wrote; raises as :func:`visualspeech.storage.read_model_of`."""
+        """Read what :meth:`save` wrote; raises as :func:`visualspeech.storage.models.read_model_of`."""
         tensors, stored = read_model_of(path, "head model", ["head"])
         settings = restored(PoseSettings, stored["settings"], path)
         return cls(**tensors, focal=float(stored["focal"]), size=tuple(stored["size"]), settings=settings)

@@ -7,7 +7,7 @@ import numpy as np
 from visualspeech.errors import DataError
 from visualspeech.speech.alignment import Alignment
 from visualspeech.speech.phones import SILENCE
-from visualspeech.storage import read_table, write_table
+from visualspeech.storage.tables import read_table, write_table
 
 
 def phone_inventory(alignments: Iterable[Alignment]) -> list[str]:

@@ -8,7 +8,7 @@ import numpy as np
 
 from visualspeech.errors import DataError
 from visualspeech.features.streams import Stream
-from visualspeech.storage import ArrayCollection
+from visualspeech.storage.arrays import ArrayCollection
 
 
 class Example(NamedTuple):

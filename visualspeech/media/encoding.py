@@ -8,7 +8,7 @@ from pathlib import Path
 import av
 import numpy as np
 
-from visualspeech.storage import replacing
+from visualspeech.storage.files import replacing
 
 
 def write_video(

@@ -5,7 +5,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from visualspeech.features.blocks.base import Block, load_block, restore
-from visualspeech.storage import part_of
+from visualspeech.storage.models import part_of
 
 
 def load_blocks(paths: Mapping[str, str]) -> dict[str, Block]:

@@ -7,7 +7,7 @@ import torch
 
 from visualspeech.errors import StorageError
 from visualspeech.jobs import log
-from visualspeech.storage import part_of, read_model, write_model
+from visualspeech.storage.models import part_of, read_model, write_model
 
 
 def write_checkpoint(path: str | Path, identity: str, state) -> None:

@@ -13,7 +13,7 @@ from visualspeech.features.streams import Stream
 from visualspeech.models.block_states import pack, unpack
 from visualspeech.models.lookup_settings import LookupSettings
 from visualspeech.models.task import Fitted, Task, check_examples, check_streams
-from visualspeech.storage import part_of, read_model_of, write_model
+from visualspeech.storage.models import part_of, read_model_of, write_model
 
 FAMILY = "lookup"
 
@@ -172,7 +172,7 @@ def fit_lookup(
 
 
 def load(path: str | Path) -> Lookup:
-    """Read a saved look-up; raises as :func:`visualspeech.storage.read_model_of`."""
+    """Read a saved look-up; raises as :func:`visualspeech.storage.models.read_model_of`."""
     arrays, settings = read_model_of(path, "look-up of means", ["model"], ["mean"], FAMILY)
     return Lookup(
         LookupSettings(**settings["settings"]),

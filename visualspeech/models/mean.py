@@ -10,7 +10,7 @@ from visualspeech.features.blocks.base import Block
 from visualspeech.features.streams import Stream
 from visualspeech.models.block_states import pack, unpack
 from visualspeech.models.task import Fitted, Task, check_examples
-from visualspeech.storage import read_model_of, write_model
+from visualspeech.storage.models import read_model_of, write_model
 
 FAMILY = "mean"
 
@@ -66,6 +66,6 @@ def fit(task: Task) -> Fitted:
 
 
 def load(path: str | Path) -> TrainingMean:
-    """Read a saved mean; raises as :func:`visualspeech.storage.read_model_of`."""
+    """Read a saved mean; raises as :func:`visualspeech.storage.models.read_model_of`."""
     arrays, settings = read_model_of(path, "training mean", ["model"], ["mean"], FAMILY)
     return TrainingMean(arrays["mean"], settings["rate"], settings["coding"], unpack(arrays, settings["blocks"]))

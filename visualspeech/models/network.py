@@ -14,7 +14,7 @@ from visualspeech.models.batches import Batch, Scaling
 from visualspeech.models.block_states import pack, unpack
 from visualspeech.models.task import check_streams
 from visualspeech.models.training import one_thread
-from visualspeech.storage import part_of, read_model_of, write_model
+from visualspeech.storage.models import part_of, read_model_of, write_model
 
 
 @dataclass(frozen=True)
@@ -93,7 +93,8 @@ def load_network(
     Raises
     ------
     StorageError
-        As :func:`visualspeech.storage.read_model_of`, it is of another family, or its weights do not fit its settings.
+        As :func:`visualspeech.storage.models.read_model_of`, it is of another family, or its weights do not fit its
+        settings.
     """
     arrays, settings = read_model_of(path, f"model of the family {family}", ["model"], ["mean", "scale"], family)
     blocks = unpack(arrays, settings["blocks"])

@@ -18,7 +18,7 @@ from visualspeech.models.rows import ModelRow
 from visualspeech.models.training_settings import TrainingSettings, training_settings
 from visualspeech.schema import mistakes, settings_class, unknown
 from visualspeech.settings import merged as laid_over
-from visualspeech.storage import read_model_of
+from visualspeech.storage.models import read_model_of
 
 
 @dataclass(frozen=True)

@@ -8,7 +8,7 @@ import numpy as np
 
 from visualspeech.errors import StorageError
 from visualspeech.speech.phones import SILENCE, STATES
-from visualspeech.storage import read_table
+from visualspeech.storage.tables import read_table
 from visualspeech.timing import frame_times, interval_of_frame
 
 TIERS = ("word", "phone", "state")

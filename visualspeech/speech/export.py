@@ -6,7 +6,7 @@ from pathlib import Path
 from visualspeech.errors import SettingError
 from visualspeech.speech.alignment import TIERS, Alignment, Segment
 from visualspeech.speech.phones import SILENCE
-from visualspeech.storage import replacing, write_text
+from visualspeech.storage.files import replacing, write_text
 
 TICKS = 10_000_000  # per second; HTK counts time in units of 100 ns
 _TIER_NAMES = {"word": "words", "phone": "phones", "state": "states"}

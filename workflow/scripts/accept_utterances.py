@@ -7,7 +7,7 @@ from visualspeech.face.head import load_heads
 from visualspeech.face.screening import ScreeningSettings
 from visualspeech.face.speakers import screen_speakers
 from visualspeech.jobs import job, log
-from visualspeech.storage import ArrayCollection
+from visualspeech.storage.arrays import ArrayCollection
 
 with (
     job(snakemake.log[0]),

@@ -6,7 +6,8 @@ from visualspeech.errors import RejectedUtterance
 from visualspeech.jobs import job, progress
 from visualspeech.speech.alignment import to_table
 from visualspeech.speech.forced_alignment import Aligner, AlignmentSettings
-from visualspeech.storage import ArrayReader, write_table
+from visualspeech.storage.arrays import ArrayReader
+from visualspeech.storage.tables import write_table
 
 with job(snakemake.log[0]), ArrayReader(snakemake.input.audio) as audio:
     aligner = Aligner(AlignmentSettings(**snakemake.params.settings))

@@ -2,7 +2,7 @@
 
 from visualspeech.features.targets import target_streams
 from visualspeech.jobs import job
-from visualspeech.storage import ArrayReader, ArrayWriter
+from visualspeech.storage.arrays import ArrayReader, ArrayWriter
 
 STREAMS = ("appearance", "shape", "texture", "points")
 

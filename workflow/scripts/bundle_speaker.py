@@ -4,7 +4,7 @@ from visualspeech.animation.bundling import RecordedFaces, bundle_speaker
 from visualspeech.corpora.table import read_utterances
 from visualspeech.features.contexts import read_phones
 from visualspeech.jobs import job
-from visualspeech.storage import ArrayCollection
+from visualspeech.storage.arrays import ArrayCollection
 
 source, params = snakemake.input, snakemake.params
 with (

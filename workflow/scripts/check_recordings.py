@@ -6,7 +6,7 @@ from visualspeech.corpora.findings import write_findings
 from visualspeech.corpora.table import read_utterances
 from visualspeech.jobs import job, progress
 from visualspeech.speech.lexicon import Lexicon
-from visualspeech.storage import ArrayWriter
+from visualspeech.storage.arrays import ArrayWriter
 
 with job(snakemake.log[0]):
     settings = CheckSettings(**snakemake.params.settings)

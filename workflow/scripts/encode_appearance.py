@@ -3,7 +3,7 @@
 from visualspeech.face.coding import load_coding
 from visualspeech.face.drift import Faces
 from visualspeech.jobs import job, progress
-from visualspeech.storage import ArrayReader, ArrayWriter
+from visualspeech.storage.arrays import ArrayReader, ArrayWriter
 
 UNITS = {"points": "px of the normalised face, drift removed", "residual": "grey levels"}
 

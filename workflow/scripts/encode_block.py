@@ -2,7 +2,7 @@
 
 from visualspeech.features.blocks.base import load_block, read_sources
 from visualspeech.jobs import job
-from visualspeech.storage import ArrayReader, ArrayWriter
+from visualspeech.storage.arrays import ArrayReader, ArrayWriter
 
 source = snakemake.input
 with (

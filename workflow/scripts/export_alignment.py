@@ -7,7 +7,8 @@ import soundfile
 from visualspeech.jobs import job
 from visualspeech.speech.alignment import read_alignments
 from visualspeech.speech.export import write_htk_labels, write_hts_labels, write_textgrid
-from visualspeech.storage import ArrayReader, replacing
+from visualspeech.storage.arrays import ArrayReader
+from visualspeech.storage.files import replacing
 
 with (
     job(snakemake.log[0]),

@@ -5,7 +5,7 @@ from visualspeech.face.aam.model import AamSettings
 from visualspeech.face.aam.training import fit_aam
 from visualspeech.face.point_sets import read_point_set
 from visualspeech.jobs import job
-from visualspeech.storage import ArrayCollection
+from visualspeech.storage.arrays import ArrayCollection
 
 with job(snakemake.log[0]), ArrayCollection(snakemake.input.textures) as textures:
     training = [one.id for one in of_split(read_utterances(snakemake.input.utterances), "train")]

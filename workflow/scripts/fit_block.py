@@ -4,7 +4,7 @@ from visualspeech.corpora.table import of_split, read_utterances
 from visualspeech.features.blocks.base import block_class, read_sources, save_block
 from visualspeech.features.contexts import read_phones
 from visualspeech.jobs import job
-from visualspeech.storage import ArrayCollection
+from visualspeech.storage.arrays import ArrayCollection
 
 source, params = snakemake.input, snakemake.params
 with job(snakemake.log[0]), ArrayCollection(source.targets) as targets:

@@ -12,7 +12,7 @@ from visualspeech.face.pose import Pose
 from visualspeech.jobs import job, log, progress
 from visualspeech.media.reading import read_frames
 from visualspeech.speech.alignment import read_alignments, silent_frames
-from visualspeech.storage import ArrayReader, ArrayWriter
+from visualspeech.storage.arrays import ArrayReader, ArrayWriter
 
 UNITS = {"points": "px of the recorded frame", "shape": "px of the normalised face", "error": "grey levels"}
 

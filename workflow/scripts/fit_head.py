@@ -5,7 +5,7 @@ from visualspeech.corpora.table import read_split, read_utterances
 from visualspeech.face.head import PoseSettings
 from visualspeech.face.sampling import fit_speaker_head
 from visualspeech.jobs import job
-from visualspeech.storage import ArrayCollection
+from visualspeech.storage.arrays import ArrayCollection
 
 speaker = snakemake.wildcards.speaker
 with job(snakemake.log[0]), ArrayCollection(snakemake.input.landmarks) as landmarks:

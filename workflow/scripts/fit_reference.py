@@ -4,7 +4,7 @@ from visualspeech.corpora.table import of_split, read_utterances
 from visualspeech.face.aam.reference import ReferenceSettings, fit_reference_of
 from visualspeech.face.point_sets import read_point_set
 from visualspeech.jobs import job
-from visualspeech.storage import ArrayCollection
+from visualspeech.storage.arrays import ArrayCollection
 
 with job(snakemake.log[0]), ArrayCollection(snakemake.input.pose) as pose:
     training = [one.id for one in of_split(read_utterances(snakemake.input.utterances), "train")]

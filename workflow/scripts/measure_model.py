@@ -5,7 +5,8 @@ from visualspeech.evaluation.metrics import score, score_table
 from visualspeech.evaluation.sequences import predicted_sequence, recorded_sequence
 from visualspeech.face.aam.model import Aam
 from visualspeech.jobs import job
-from visualspeech.storage import ArrayCollection, ArrayReader, write_table
+from visualspeech.storage.arrays import ArrayCollection, ArrayReader
+from visualspeech.storage.tables import write_table
 
 with (
     job(snakemake.log[0]),

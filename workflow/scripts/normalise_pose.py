@@ -5,7 +5,7 @@ from visualspeech.corpora.table import read_utterances
 from visualspeech.face.head import PoseSettings, load_heads
 from visualspeech.face.pose import estimate, to_frontal
 from visualspeech.jobs import job, progress
-from visualspeech.storage import ArrayReader, ArrayWriter
+from visualspeech.storage.arrays import ArrayReader, ArrayWriter
 
 UNITS = {"rotation": "rad", "translation": "units of the head", "points": "px of the normalised face"}
 

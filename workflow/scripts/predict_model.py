@@ -5,7 +5,7 @@ from importlib import import_module
 from visualspeech.corpora.table import read_utterances
 from visualspeech.features.examples import opened_blocks, streams_of
 from visualspeech.jobs import job
-from visualspeech.storage import ArrayCollection, ArrayWriter
+from visualspeech.storage.arrays import ArrayCollection, ArrayWriter
 
 source = snakemake.input
 with (

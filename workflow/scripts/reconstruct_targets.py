@@ -2,7 +2,7 @@
 
 from visualspeech.corpora.table import read_utterances
 from visualspeech.jobs import job
-from visualspeech.storage import ArrayCollection, ArrayWriter
+from visualspeech.storage.arrays import ArrayCollection, ArrayWriter
 
 with (
     job(snakemake.log[0]),

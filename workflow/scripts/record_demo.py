@@ -3,7 +3,7 @@
 from visualspeech.corpora.demo.recording import record_shard
 from visualspeech.corpora.table import read_utterances
 from visualspeech.jobs import job
-from visualspeech.storage import replacing
+from visualspeech.storage.files import replacing
 
 with job(snakemake.log[0]), replacing(snakemake.output.recordings) as folder:
     folder.mkdir()

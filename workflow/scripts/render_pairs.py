@@ -8,7 +8,9 @@ from visualspeech.animation.video_settings import VideoSettings
 from visualspeech.corpora.table import of_split, read_utterances
 from visualspeech.evaluation.preference import answer_sheet, draw_pairs, key_table
 from visualspeech.jobs import job, progress
-from visualspeech.storage import ArrayCollection, ArrayReader, replacing, write_table
+from visualspeech.storage.arrays import ArrayCollection, ArrayReader
+from visualspeech.storage.files import replacing
+from visualspeech.storage.tables import write_table
 
 source, params = snakemake.input, snakemake.params
 with (

@@ -6,7 +6,8 @@ from visualspeech.animation.video import Recording, Speaker, write_talking_head
 from visualspeech.animation.video_settings import VideoSettings
 from visualspeech.corpora.table import of_split, read_utterances
 from visualspeech.jobs import job, log, progress
-from visualspeech.storage import ArrayCollection, ArrayReader, replacing
+from visualspeech.storage.arrays import ArrayCollection, ArrayReader
+from visualspeech.storage.files import replacing
 
 source, params = snakemake.input, snakemake.params
 with (

@@ -6,7 +6,7 @@ from visualspeech.face.drift import DriftSettings
 from visualspeech.jobs import job, progress
 from visualspeech.media.reading import read_frames
 from visualspeech.speech.alignment import read_alignments, silent_frames
-from visualspeech.storage import ArrayReader, ArrayWriter
+from visualspeech.storage.arrays import ArrayReader, ArrayWriter
 
 UNITS = {"shape": "px of the normalised face", "texture": "grey levels"}
 

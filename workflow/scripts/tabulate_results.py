@@ -7,7 +7,9 @@ from visualspeech.evaluation.measured import MeasuredRows
 from visualspeech.evaluation.statistics import BootstrapSettings
 from visualspeech.evaluation.tables import TableSettings, result_tables
 from visualspeech.jobs import job
-from visualspeech.storage import read_shapes, read_table, write_text
+from visualspeech.storage.files import write_text
+from visualspeech.storage.models import read_shapes
+from visualspeech.storage.tables import read_table
 
 source, params = snakemake.input, snakemake.params
 with job(snakemake.log[0]):

@@ -7,7 +7,7 @@ from visualspeech.face.screening import ScreeningSettings, track_screened
 from visualspeech.face.tracker import LandmarkSettings
 from visualspeech.jobs import job, progress
 from visualspeech.media.reading import probe, read_frames
-from visualspeech.storage import ArrayReader, ArrayWriter
+from visualspeech.storage.arrays import ArrayReader, ArrayWriter
 
 with job(snakemake.log[0]), ArrayWriter(snakemake.output.landmarks) as out:
     settings = LandmarkSettings(**snakemake.params.landmarks), ScreeningSettings(**snakemake.params.screening)

@@ -10,7 +10,8 @@ from visualspeech.models.block_states import load_blocks
 from visualspeech.models.rows import ModelRow
 from visualspeech.models.task import Task
 from visualspeech.provenance import file_digest
-from visualspeech.storage import ArrayCollection, write_table
+from visualspeech.storage.arrays import ArrayCollection
+from visualspeech.storage.tables import write_table
 
 source, row = snakemake.input, ModelRow.of(snakemake.params.row)
 with (

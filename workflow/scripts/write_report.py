@@ -6,7 +6,7 @@ from visualspeech.evaluation import gathering
 from visualspeech.evaluation.report import ReportContent, render_report
 from visualspeech.jobs import job
 from visualspeech.provenance import split_hash
-from visualspeech.storage import write_text
+from visualspeech.storage.files import write_text
 
 source, params, page = snakemake.input, snakemake.params, snakemake.output[0]
 with job(snakemake.log[0]):

@@ -15,7 +15,8 @@ from visualspeech.models.rest import resting_face
 from visualspeech.speech.alignment import to_table
 from visualspeech.speech.phones import PHONES
 from visualspeech.speech.spoken import state_shares, timed
-from visualspeech.storage import ArrayReader, ArrayWriter, write_table
+from visualspeech.storage.arrays import ArrayReader, ArrayWriter
+from visualspeech.storage.tables import write_table
 
 PARTS = ("model", "aam", "reference", "head")
 SPOKEN = timed([("sil", 0, 0.4), ("aa", 0.4, 0.8), ("sil", 0.8, 1.2)], shares={"aa": (0.2, 0.5, 0.3)})

@@ -10,7 +10,7 @@ from visualspeech.corpora.demo.listing import utterances
 from visualspeech.corpora.demo.recording import DemoSettings, read_truth, record, record_shard
 from visualspeech.errors import SettingError, StorageError
 from visualspeech.media.reading import probe, read_audio, read_frames
-from visualspeech.storage import ArrayReader
+from visualspeech.storage.arrays import ArrayReader
 
 UPPER, LOWER = [61, 62, 63], [67, 66, 65]
 

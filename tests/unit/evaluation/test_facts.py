@@ -6,7 +6,7 @@ from tests.unit.evaluation.examples import measured, stack, statistics
 from visualspeech import __version__
 from visualspeech.evaluation.facts import TableFacts, coding_sizes
 from visualspeech.provenance import split_hash
-from visualspeech.storage import read_shapes, write_model
+from visualspeech.storage.models import read_shapes, write_model
 
 GIVEN = {"corpus": "demo", "system": "fan2015", "coding": "aam51", "drift": "clip_mean"}
 SHAPES = {

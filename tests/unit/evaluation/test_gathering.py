@@ -10,7 +10,9 @@ from visualspeech.evaluation import gathering, plots
 from visualspeech.evaluation.forms import to_html, to_html_page
 from visualspeech.evaluation.layout import Cell, Row, Table
 from visualspeech.speech.alignment import to_table
-from visualspeech.storage import ArrayCollection, ArrayWriter, write_table, write_text
+from visualspeech.storage.arrays import ArrayCollection, ArrayWriter
+from visualspeech.storage.files import write_text
+from visualspeech.storage.tables import write_table
 
 UTTERANCES = [Utterance(name, "one", f"{name}.mp4", f"words of {name}", split)
               for name, split in (("a", "train"), ("b", "validation"), ("c", "test"), ("d", "test"))]  # fmt: skip

@@ -155,15 +155,15 @@ def test_perfect_prediction():
 
 
 def test_table_survives_storage(tmp_path):
-    from visualspeech import storage
+    from visualspeech.storage.tables import read_table, write_table
 
     generator = np.random.default_rng(4)
     true = random_faces(generator, 4)
     table = metrics.score_table(
         [metrics.score("007", random_faces(generator, 4), true, 25.0), metrics.score("006", true, true, 25.0)]
     )
-    storage.write_table(tmp_path / "statistics.tsv", table)
-    again = storage.read_table(tmp_path / "statistics.tsv")
+    write_table(tmp_path / "statistics.tsv", table)
+    again = read_table(tmp_path / "statistics.tsv")
     assert list(again["id"]) == ["006", "007"]
     for name in metrics.METRICS:
         assert metrics.corpus_figure(again, name) == metrics.corpus_figure(table, name)

@@ -13,7 +13,7 @@ from visualspeech.evaluation.preference import (
     tally,
 )
 from visualspeech.evaluation.published_results import published
-from visualspeech.storage import read_table, write_table
+from visualspeech.storage.tables import read_table, write_table
 
 IDS = [f"u{i:02d}" for i in range(30)]
 MODELS = ("FBB-128", "hmm_mge")

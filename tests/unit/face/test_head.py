@@ -7,7 +7,7 @@ from visualspeech.face.camera import solve_pose
 from visualspeech.face.head import HeadModel, fit_head
 from visualspeech.face.mean_face import MEAN_FACE
 from visualspeech.face.tracker import RIGID
-from visualspeech.storage import write_model
+from visualspeech.storage.models import write_model
 
 
 def reprojection(points3d, points):

@@ -18,7 +18,7 @@ from visualspeech.face.aam.training import fit_aam
 from visualspeech.face.head import fit_head
 from visualspeech.face.point_sets import parse_point_set, point_set_path, read_point_set, to_points, to_vector
 from visualspeech.face.pose import estimate, to_frontal
-from visualspeech.storage import ArrayReader, ArrayWriter
+from visualspeech.storage.arrays import ArrayReader, ArrayWriter
 
 # Jaw 9, nostrils 5, lips 20; landmarks of the cheeks and the bridge of the nose are held.
 SMALL = """

@@ -5,7 +5,7 @@ import pytest
 
 from visualspeech.errors import CorpusError
 from visualspeech.face.sampling import frame_size, sample_landmarks, screen_frame_sizes
-from visualspeech.storage import ArrayReader, ArrayWriter
+from visualspeech.storage.arrays import ArrayReader, ArrayWriter
 
 
 @pytest.fixture

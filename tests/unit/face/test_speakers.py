@@ -9,7 +9,7 @@ from visualspeech.face.head import fit_head, load_heads
 from visualspeech.face.pose import Pose, estimate, to_frontal
 from visualspeech.face.sampling import fit_speaker_head, sample_landmarks
 from visualspeech.face.speakers import screen_speakers
-from visualspeech.storage import ArrayCollection, ArrayReader, ArrayWriter
+from visualspeech.storage.arrays import ArrayCollection, ArrayReader, ArrayWriter
 
 SPEAKERS = {f"{speaker}{number:02d}": speaker for speaker in ("a", "b") for number in range(11)}
 NOISE = {"a": 0.1, "b": 0.5}

@@ -18,7 +18,9 @@ from visualspeech.fields import Settings, with_defaults
 from visualspeech.models.block_states import load_blocks, pack, unpack
 from visualspeech.speech import tts
 from visualspeech.speech.alignment import to_table
-from visualspeech.storage import ArrayReader, ArrayWriter, write_model, write_table
+from visualspeech.storage.arrays import ArrayReader, ArrayWriter
+from visualspeech.storage.models import write_model
+from visualspeech.storage.tables import write_table
 
 SENTENCES = (
     [("sil", ["sil"]), ("computer", "k ah m p y uw t er".split()), ("a", ["ah"]), ("sil", ["sil"])],

@@ -4,7 +4,7 @@ import pytest
 from visualspeech.errors import DataError, StorageError
 from visualspeech.features.examples import Examples, opened_blocks, streams_of
 from visualspeech.features.streams import Stream
-from visualspeech.storage import ArrayCollection, ArrayWriter
+from visualspeech.storage.arrays import ArrayCollection, ArrayWriter
 
 
 def write(path, utterances, arrays):

@@ -6,7 +6,7 @@ import torch
 from visualspeech.models.checkpoints import read_checkpoint, write_checkpoint
 from visualspeech.models.training import _start
 from visualspeech.models.training_settings import training_settings
-from visualspeech.storage import write_model
+from visualspeech.storage.models import write_model
 
 
 def state(optimiser="adam", updates=3):

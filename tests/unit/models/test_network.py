@@ -14,7 +14,7 @@ from visualspeech.models.registry import load_model
 from visualspeech.models.stack import Stack
 from visualspeech.models.stack_settings import StackSettings
 from visualspeech.models.training import one_thread
-from visualspeech.storage import read_model, write_model
+from visualspeech.storage.models import read_model, write_model
 
 STREAMS = utterances(1)[0].streams
 

@@ -15,7 +15,7 @@ from visualspeech.models.registry import ALWAYS, ENTRY_KEYS, FAMILIES, Family, e
 from visualspeech.models.rows import ROLES, ModelRow
 from visualspeech.models.training_settings import training_settings
 from visualspeech.schema import settings_class
-from visualspeech.storage import write_model
+from visualspeech.storage.models import write_model
 
 INPUTS = {"tri": {}, "track": {}, "parts": {}}
 NETS = {"family": "stack", "letters": ["FBB", "F"], "nodes": [64, 128], "reads": ["tri"]}
@@ -187,7 +187,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from visualspeech.models.block_states import pack, unpack
 from visualspeech.models.task import Fitted, check_streams
-from visualspeech.storage import read_model_of, write_model
+from visualspeech.storage.models import read_model_of, write_model
 
 FAMILY = "last"
 

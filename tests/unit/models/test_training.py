@@ -23,7 +23,7 @@ from visualspeech.models.stack import Stack
 from visualspeech.models.stack_settings import StackSettings
 from visualspeech.models.training import remove_checkpoint, train
 from visualspeech.models.training_settings import TrainingSettings, training_settings
-from visualspeech.storage import read_model
+from visualspeech.storage.models import read_model
 
 TRAINING, VALIDATION = utterances(20), utterances(5, seed=1)
 FAST = training_settings(max_epochs=6, batch_size=4, learning_rate=0.01)

@@ -8,7 +8,7 @@ import pytest
 from tests.unit.speech.alignments import even_alignment
 from visualspeech.errors import StorageError
 from visualspeech.speech.alignment import read_alignments, silent_frames, to_table
-from visualspeech.storage import write_table
+from visualspeech.storage.tables import write_table
 
 ALIGNMENT = even_alignment([("sil", ["sil"]), ("null", ["n", "ah", "l"]), ("a", ["ah"]), ("sil", ["sil"])], 0.07)
 NAMED = {

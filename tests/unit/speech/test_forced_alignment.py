@@ -9,7 +9,7 @@ from visualspeech.media.reading import read_audio
 from visualspeech.speech.alignment import read_alignments, to_table
 from visualspeech.speech.forced_alignment import Aligner, AlignmentSettings, align
 from visualspeech.speech.tts import synthesise
-from visualspeech.storage import write_table
+from visualspeech.storage.tables import write_table
 
 SENTENCES = (
     "Please bring my blue boat back before noon.",

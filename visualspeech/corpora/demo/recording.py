@@ -12,7 +12,8 @@ from visualspeech.corpora.records import Utterance
 from visualspeech.fields import MAX_SEED, Settings, setting
 from visualspeech.jobs import progress
 from visualspeech.speech.phones import SILENCE
-from visualspeech.storage import ArrayReader, ArrayWriter, write_text
+from visualspeech.storage.arrays import ArrayReader, ArrayWriter
+from visualspeech.storage.files import write_text
 from visualspeech.timing import frame_times, frames_in
 
 CONSENT = (

@@ -28,7 +28,7 @@ from visualspeech.face.drift import FaceReference, Faces, remove, remove_shape
 from visualspeech.face.point_sets import PointSet, read_point_set, to_points
 from visualspeech.fields import MAX_SEED, FieldError, Settings, restored, setting
 from visualspeech.jobs import log
-from visualspeech.storage import read_model_of, write_model
+from visualspeech.storage.models import read_model_of, write_model
 
 KIND = "aam"
 WEIGHTINGS = ("variance", "none")
@@ -313,7 +313,7 @@ class Aam:
 
     @classmethod
     def load(cls, path: str | Path) -> "Aam":
-        """Read what :meth:`save` wrote; raises as :func:`visualspeech.storage.read_model_of`."""
+        """Read what :meth:`save` wrote; raises as :func:`visualspeech.storage.models.read_model_of`."""
         tensors, stored = read_model_of(path, "appearance model", [KIND], _ARRAYS)
         drift = FaceReference(tensors.pop("drift_shape"), tensors.pop("drift_texture"))
         weight = tensors.pop("shape_weight").item()

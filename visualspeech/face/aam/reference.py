@@ -16,7 +16,7 @@ from visualspeech.errors import DataError
 from visualspeech.face.drift import DriftSettings, Faces
 from visualspeech.face.point_sets import PointSet, read_point_set, to_vector
 from visualspeech.fields import Settings, restored, setting
-from visualspeech.storage import read_model_of, write_model
+from visualspeech.storage.models import read_model_of, write_model
 
 KIND = "texture grid"
 
@@ -91,7 +91,7 @@ class Reference:
 
     @classmethod
     def load(cls, path: str | Path) -> "Reference":
-        """Read what :meth:`save` wrote; raises as :func:`visualspeech.storage.read_model_of`."""
+        """Read what :meth:`save` wrote; raises as :func:`visualspeech.storage.models.read_model_of`."""
         tensors, stored = read_model_of(path, KIND, [KIND], _ARRAYS)
         settings = restored(ReferenceSettings, stored["settings"], path)
         return cls(read_point_set(stored["points"]), **tensors, settings=settings)

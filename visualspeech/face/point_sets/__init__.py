@@ -15,7 +15,7 @@ import numpy as np
 
 from visualspeech.errors import DataError, SettingError
 from visualspeech.face.mean_face import MEAN_FACE
-from visualspeech.storage import read_text
+from visualspeech.storage.files import read_text
 
 LANDMARKS = 68
 REGIONS = ("lips", "outer_lips", "inner_lips")

@@ -17,7 +17,7 @@ import numpy as np
 from visualspeech.errors import StorageError
 from visualspeech.features.streams import Layout, Stream
 from visualspeech.speech.alignment import Alignment, read_alignments
-from visualspeech.storage import read_model_of, write_model
+from visualspeech.storage.models import read_model_of, write_model
 
 
 @dataclass(frozen=True)

@@ -16,7 +16,7 @@ from visualspeech.models.hmm.model import Hmm, HmmSettings
 from visualspeech.models.hmm.segments import PhoneTrack
 from visualspeech.models.hmm.training import fit_monophones, fit_tied
 from visualspeech.models.task import Fitted, Task, check_examples, check_streams
-from visualspeech.storage import read_model_of, write_model
+from visualspeech.storage.models import read_model_of, write_model
 
 FAMILY = "hmm"
 
@@ -106,7 +106,7 @@ def fit(task: Task) -> Fitted:
 
 
 def load(path: str | Path) -> HmmModel:
-    """Read saved HMMs; raises as :func:`visualspeech.storage.read_model_of`."""
+    """Read saved HMMs; raises as :func:`visualspeech.storage.models.read_model_of`."""
     arrays, settings = read_model_of(path, "phone HMMs", ["model"], ["self_transition"], FAMILY)
     hmm = Hmm.restore(arrays, settings["hmm"])
     return HmmModel(hmm, unpack(arrays, settings["blocks"]), settings["rate"], settings["coding"])

@@ -13,7 +13,7 @@ from visualspeech.models.hmm.generation import Trajectory, generate
 from visualspeech.models.hmm.segments import PhoneTrack
 from visualspeech.models.hmm.statistics import Gaussians
 from visualspeech.models.hmm.tying import Tying
-from visualspeech.storage import part_of
+from visualspeech.storage.models import part_of
 from visualspeech.timing import frames_in
 
 

@@ -11,7 +11,8 @@ from visualspeech.face.aam.training import fit_aam
 from visualspeech.face.coding import load_coding, read_coding_header
 from visualspeech.face.drift import Faces, remove
 from visualspeech.face.point_sets import to_points, to_vector
-from visualspeech.storage import ArrayReader, ArrayWriter, write_model
+from visualspeech.storage.arrays import ArrayReader, ArrayWriter
+from visualspeech.storage.models import write_model
 
 SETTINGS = AamSettings(
     shape={"components": 8}, texture={"components": 12}, appearance={"energy": 0.98}, iterations=20, seed=1

@@ -13,7 +13,7 @@ from visualspeech.models.hmm.statistics import Gaussians, accumulate, prepare
 from visualspeech.models.hmm.training import fit_monophones, fit_tied
 from visualspeech.models.hmm.tying import monophones
 from visualspeech.speech.phones import PHONES as PHONE_SET
-from visualspeech.storage import read_model, write_model
+from visualspeech.storage.models import read_model, write_model
 
 SMALL = HmmSettings(states=3, rate=50.0, min_frames=4, mdl_factor=0.5)
 TRAINING, TEST = utterances(30), utterances(10, seed=7)
