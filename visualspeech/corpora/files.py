@@ -176,7 +176,7 @@ def recording_fields(path: Path) -> dict[str, str]:
     }
 
 
-def read_bytes(path: Path) -> bytes:
+def read_bytes(path: str | Path) -> bytes:
     """The bytes of a file of text.
 
     Raises
@@ -184,16 +184,20 @@ def read_bytes(path: Path) -> bytes:
     OSError
         It cannot be read, is no regular file, or is too large for a text; ``strerror`` says which.
     """
-    status = os.stat(path)
-    if not stat.S_ISREG(status.st_mode):
-        raise OSError(None, "it is a folder" if stat.S_ISDIR(status.st_mode) else "it is no regular file")
-    if status.st_size > MAX_TEXT:
-        raise OSError(None, f"it is larger than {MAX_TEXT:,} bytes")
-    with open(path, "rb") as file:
-        return file.read(MAX_TEXT)
+    # Without waiting: a pipe may have nobody who writes to it.
+    descriptor = os.open(path, os.O_RDONLY | os.O_NONBLOCK | os.O_CLOEXEC)
+    try:
+        status = os.fstat(descriptor)
+        if not stat.S_ISREG(status.st_mode):
+            raise OSError(None, "it is a folder" if stat.S_ISDIR(status.st_mode) else "it is no regular file")
+        if status.st_size > MAX_TEXT:
+            raise OSError(None, f"it is larger than {MAX_TEXT:,} bytes")
+        return b"".join(iter(lambda: os.read(descriptor, MAX_TEXT), b""))
+    finally:
+        os.close(descriptor)
 
 
-def read_transcript(path: Path) -> str:
+def read_transcript(path: str | Path) -> str:
     """Text of a file as one line; UTF-8 (with or without a byte-order mark), UTF-16 with one, or else Windows-1252.
 
     Raises

@@ -106,14 +106,17 @@ def _of_files(root: Path) -> list[Utterance]:
 
 def _transcript(video: Path) -> dict[str, str]:
     """Transcript of a recording from the file beside it; what is wrong with that file, where it cannot be read."""
-    path = next((one for one in (video.with_suffix(".txt"), video.with_suffix(".TXT")) if os.path.lexists(one)), None)
-    if path is None:
-        return {"transcript": ""}
-    try:
-        return {"transcript": read_transcript(path)}
-    except OSError as error:
-        return {
-            "transcript": "",
-            "problem": f"the transcript {displayable(path.name)} cannot be read: {error.strerror or error}",
-            "remedy": "Write what is said into a text file of that name, and give yourself the right to read it.",
-        }
+    for ending in (".txt", ".TXT"):
+        path = f"{os.path.splitext(video)[0]}{ending}"
+        try:
+            return {"transcript": read_transcript(path)}
+        except OSError as error:
+            if isinstance(error, FileNotFoundError) and not os.path.islink(path):
+                continue
+            return {
+                "transcript": "",
+                "problem": f"the transcript {displayable(os.path.basename(path))} cannot be read: "
+                f"{error.strerror or error}",
+                "remedy": "Write what is said into a text file of that name, and give yourself the right to read it.",
+            }
+    return {"transcript": ""}

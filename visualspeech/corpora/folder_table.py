@@ -122,9 +122,11 @@ def _cells(where: str, row: list[str], names: list[str], delimiter: str, quoted:
         )
     cells = dict(zip(names, row + [""] * (len(names) - len(row)), strict=False))
     for name, cell in cells.items():
-        below = re.split(r"[\r\n]+", cell)[1:]
-        swallowed = any(suffix(line.split(delimiter)[0].strip(' "')) in VIDEOS for line in below if delimiter in line)
-        if below and (swallowed or name in ("file", *OPTIONAL)):
+        if "\n" not in cell and "\r" not in cell:
+            continue
+        lines = re.split(r"[\r\n]+", cell)[1:]
+        swallowed = any(suffix(line.split(delimiter)[0].strip(' "')) in VIDEOS for line in lines if delimiter in line)
+        if swallowed or name in ("file", *OPTIONAL):
             raise CorpusError(
                 f"{where}: the cell in the column `{name}` goes on in the next line. Close its quote, or remove the "
                 "line break."
@@ -172,16 +174,16 @@ def _utterance(row: Row, number: int, root: Path) -> Utterance:
         raise CorpusError(f"{where}: `end` {end:g} is not after `start` {start:g}. Give seconds.")
     if cells.get("id"):
         check_id(cells["id"], where)
-    stem = "-".join(Path(file).with_suffix("").parts)
+    video, stem = root / file, "-".join(Path(file).with_suffix("").parts)
     return Utterance(
         id=cells.get("id") or legal_id(f"{stem}-{number:04d}" if number else stem),
-        speaker=cells.get("speaker") or displayable(speaker_folder(root / file, root)),
+        speaker=cells.get("speaker") or displayable(speaker_folder(video, root)),
         transcript=one_line(cells["transcript"]),
         split=cells.get("split", "").lower(),
         emotion=cells.get("emotion", ""),
         start=start,
         end=end,
-        **recording_fields(root / file),
+        **recording_fields(video),
     )
 
 

@@ -107,7 +107,7 @@ def read_alignment(path: str | Path) -> list[tuple[str, float, float]]:
         The file cannot be read, or does not hold lines of ``start end word``.
     """
     try:
-        lines = [line.split() for line in read_bytes(Path(path)).decode("utf-8", "replace").splitlines()]
+        lines = [line.split() for line in read_bytes(path).decode("utf-8", "replace").splitlines()]
         return [
             (word, int(start) / UNITS_PER_SECOND, int(end) / UNITS_PER_SECOND)
             for start, end, word in filter(None, lines)
