@@ -1,14 +1,11 @@
 """Corpus adapters: from the settings of a corpus to its list of utterances."""
 
-import re
 from collections.abc import Mapping
 from hashlib import sha256
 
-from visualspeech.corpora.records import Utterance
+from visualspeech.corpora.records import Utterance, check_id
 from visualspeech.corpora.split import SPLITS
 from visualspeech.errors import CorpusError, SettingError
-
-LEGAL_ID = re.compile(r"[A-Za-z0-9_][A-Za-z0-9_.-]*")
 
 
 def _folder(corpus: Mapping) -> list[Utterance]:
@@ -66,11 +63,7 @@ def _check(utterances: list[Utterance]) -> None:
     seen: dict[str, Utterance] = {}
     # Some file systems do not distinguish names that differ only in case.
     for one in utterances:
-        if not LEGAL_ID.fullmatch(one.id):
-            raise CorpusError(
-                f"{one.media}: the id {one.id!r} cannot be used. Use letters A-Z, digits, '-', '_' and '.'; begin with "
-                "a letter, a digit or '_'."
-            )
+        check_id(one.id, one.media)
         if one.id.lower() in seen:
             other = seen[one.id.lower()]
             raise CorpusError(

@@ -5,6 +5,7 @@ Each finding names the file and a remedy.
 """
 
 import hashlib
+import os
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -64,8 +65,9 @@ def check_recording(
         findings.append(Finding(utterance.id, STAGE, WARN, utterance.media, finding, remedy))
 
     try:
-        if not Path(utterance.media).is_file():
-            raise RejectedUtterance("the file does not exist", "Restore it, or remove it from the corpus's table.")
+        if utterance.problem:
+            raise RejectedUtterance(utterance.problem, utterance.remedy)
+        _check_exists(utterance.media)
         _check_transcript(utterance)
         info = reading.probe(utterance.media)
         scan = reading.scan_video(utterance.media, utterance.start, utterance.end)
@@ -86,6 +88,15 @@ def check_recording(
         rejected = error
         findings.insert(0, rejection(utterance.id, STAGE, utterance.media, error))
     return CheckedRecording(samples, rejected, findings, digest, frames)
+
+
+def _check_exists(media: str) -> None:
+    if os.path.isfile(media):
+        return
+    if not os.path.lexists(media):
+        raise RejectedUtterance("the file does not exist", "Restore it, or remove it from the corpus's table.")
+    what = "is a folder" if os.path.isdir(media) else "is no regular file, or a link to a file that does not exist"
+    raise RejectedUtterance(f"the recording {what}", "Restore it, or name the file that holds the recording.")
 
 
 def _check_transcript(utterance: Utterance) -> None:

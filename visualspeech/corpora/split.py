@@ -16,7 +16,8 @@ def split_utterances(
 
     A corpus with its own split keeps it. Otherwise the utterances of each speaker are ordered by a hash of the seed and
     the id and divided at the fractions, with at least one utterance per split. The split is thus stratified by speaker,
-    does not depend on the order of the corpus, and changes little when the corpus grows.
+    does not depend on the order of the corpus, and changes little when the corpus grows. Utterances with a ``problem``,
+    which the check rejects, count as training utterances and have no part in it.
 
     Raises
     ------
@@ -25,19 +26,20 @@ def split_utterances(
     CorpusError
         A speaker has fewer than three utterances, or the corpus's own split is incomplete.
     """
-    utterances = sorted(utterances, key=lambda one: one.id)
+    every = sorted(utterances, key=lambda one: one.id)
+    utterances = [one for one in every if not one.problem]
+    split_of = {one.id: SPLITS[0] for one in every}
     if any(one.split for one in utterances):
-        return _given_split(utterances)
+        return split_of | _given_split(utterances)
     if len(fractions) != 3 or min(fractions) <= 0 or abs(sum(fractions) - 1) > 1e-6:
         shown = ", ".join(f"{name} {share:g}" for name, share in zip(SPLITS, fractions, strict=False))
         raise SettingError(f"the shares of `split` are {shown}; give three numbers above 0 whose sum is 1.")
     speakers: dict[str, list[Utterance]] = {}
     for one in utterances:
         speakers.setdefault(one.speaker, []).append(one)
-    split_of: dict[str, str] = {}
     for of_speaker in list(speakers.values()) or [[]]:
         split_of |= _split_speaker(of_speaker, fractions, seed)
-    return {one.id: split_of[one.id] for one in utterances}
+    return split_of
 
 
 def _split_speaker(utterances: Sequence[Utterance], fractions: Sequence[float], seed: int) -> dict[str, str]:

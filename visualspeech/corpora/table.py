@@ -6,7 +6,9 @@ from dataclasses import asdict, fields
 from visualspeech.corpora.records import Utterance
 from visualspeech.storage.tables import read_table, write_table
 
-TEXT = ("id", "speaker", "media", "transcript", "split", "emotion", "audio", "motion")
+TEXT = ("id", "speaker", "media", "transcript", "split", "emotion", "audio", "motion", "problem", "remedy")
+#: Columns that a table has only where an utterance of it has a problem.
+OF_PROBLEM = ("problem", "remedy")
 
 
 def read_utterances(path) -> list[Utterance]:
@@ -20,8 +22,10 @@ def write_utterances(path, rows: Iterable[Mapping]) -> None:
     """Write utterances given as mappings, without their split."""
     import pandas
 
-    columns = [field.name for field in fields(Utterance) if field.name != "split"]
-    write_table(path, pandas.DataFrame([dict(row) for row in rows], columns=columns))
+    rows = [dict(row) for row in rows]
+    left_out = ("split",) if any(row.get("problem") for row in rows) else ("split", *OF_PROBLEM)
+    columns = [field.name for field in fields(Utterance) if field.name not in left_out]
+    write_table(path, pandas.DataFrame(rows, columns=columns))
 
 
 def write_split(path, split: Mapping[str, str]) -> None:
@@ -42,7 +46,8 @@ def write_accepted(path, utterances: Iterable[Utterance], split: Mapping[str, st
     import pandas
 
     rows = [{**asdict(one), "split": split[one.id]} for one in sorted(utterances, key=lambda one: one.id)]
-    write_table(path, pandas.DataFrame(rows, columns=[field.name for field in fields(Utterance)]))
+    columns = [field.name for field in fields(Utterance) if field.name not in OF_PROBLEM]
+    write_table(path, pandas.DataFrame(rows, columns=columns))
 
 
 def of_split(utterances: Iterable[Utterance], split: str) -> list[Utterance]:

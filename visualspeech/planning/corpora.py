@@ -1,12 +1,13 @@
 """The plan of a corpus, made before any job: its utterances, their shards, split and speakers. Writes nothing."""
 
 import fcntl
-import os
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass
+from functools import cache
 from pathlib import Path
 
 from visualspeech.corpora.adapters import list_utterances
+from visualspeech.corpora.files import recordings_digest
 from visualspeech.corpora.records import Utterance, legal_id, shard_of
 from visualspeech.corpora.split import split_utterances
 from visualspeech.errors import CorpusError, StorageError
@@ -22,7 +23,8 @@ class CorpusPlan:
     shards : numbers of the shards that hold utterances, as text, ascending
     utterances : shard -> its utterances
     split : id -> train, validation or test
-    media : shard -> files that its jobs read
+    recorded_here : shard -> folder that the workflow records it in; empty for a corpus of the user
+    recordings : function of a shard: digest of its files, which changes with them; they are looked at when it is called
     speakers : file name of a speaker -> the speaker, sorted
     gives : what the corpus gives, of :data:`visualspeech.planning.systems.NEEDS`
     """
@@ -33,7 +35,8 @@ class CorpusPlan:
     shards: list[str]
     utterances: Mapping[str, list[Utterance]]
     split: Mapping[str, str]
-    media: Mapping[str, list[str]]
+    recorded_here: Mapping[str, str]
+    recordings: Callable[[str], str]
     speakers: Mapping[str, str]
     gives: frozenset[str]
 
@@ -66,15 +69,18 @@ def plan_corpus(corpus: Mapping, shards: int, shares: Mapping[str, float], seed:
     if made_here:
         corpus = {**corpus, "root": f"{results}/{corpus['name']}/recordings", "shards": shards}
     utterances = list_utterances(corpus)
+    sound = [one for one in utterances if not one.problem]
+    if not sound:
+        first = utterances[0]
+        raise CorpusError(
+            f"no utterance of the corpus {corpus['name']} can be used ({len(utterances)} are listed). The first one, "
+            f"{first.media}: {first.problem}. {first.remedy}"
+        )
     split = split_utterances(utterances, (shares["train"], shares["validation"], shares["test"]), seed)
     by_shard: dict[str, list[Utterance]] = {}
     for utterance in sorted(utterances, key=lambda one: one.id):
         by_shard.setdefault(str(shard_of(utterance.id, shards)), []).append(utterance)
-    if made_here:
-        media = {shard: [f"{corpus['root']}/{shard}"] for shard in by_shard}
-    else:
-        # A listed file that is missing is a finding of the check, not a missing input.
-        media = {shard: _existing(members) for shard, members in by_shard.items()}
+    by_content = corpus.get("change_detection") == "content"
     return CorpusPlan(
         name=corpus["name"],
         adapter=corpus["adapter"],
@@ -82,15 +88,12 @@ def plan_corpus(corpus: Mapping, shards: int, shares: Mapping[str, float], seed:
         shards=sorted(by_shard, key=int),
         utterances=by_shard,
         split=split,
-        media=media,
-        speakers=_speakers(utterances, corpus["name"]),
-        gives=_gives(utterances),
+        recorded_here={shard: f"{corpus['root']}/{shard}" for shard in by_shard} if made_here else {},
+        # Files that the run itself makes are inputs of its jobs; their digest at planning would say nothing.
+        recordings=cache(lambda shard: "" if made_here else recordings_digest(by_shard[shard], by_content)),
+        speakers=_speakers(sound, corpus["name"]),
+        gives=_gives(sound),
     )
-
-
-def _existing(utterances: list[Utterance]) -> list[str]:
-    files = {path for one in utterances for path in (one.media, one.audio, one.motion) if path}
-    return sorted(path for path in files if os.path.exists(path))
 
 
 def _speakers(utterances: list[Utterance], corpus: str) -> dict[str, str]:
@@ -106,8 +109,8 @@ def _speakers(utterances: list[Utterance], corpus: str) -> dict[str, str]:
         name = legal_id(speaker)
         if name in found:
             raise CorpusError(
-                f"the speakers {found[name]!r} and {speaker!r} of the corpus {corpus} differ only in characters that a "
-                "file name cannot have; rename one of them."
+                f"the speakers {found[name]!r} and {speaker!r} of the corpus {corpus} differ only in how their letters "
+                "are encoded; rename one of them."
             )
         found[name] = speaker
     return found

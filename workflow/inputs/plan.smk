@@ -53,8 +53,15 @@ def shards(pattern):
 
 
 def recordings(wildcards):
-    """The files that a shard's jobs read: the media, or the folder that the demo corpus is recorded in."""
-    return PLAN.corpora[wildcards.corpus].media[wildcards.shard]
+    """Input function: the folder that the demo corpus is recorded in. Files of users are no inputs: Snakemake would
+    read wildcards, addresses and flags in their names; :func:`recordings_digest` stands for them."""
+    folder = PLAN.corpora[wildcards.corpus].recorded_here.get(wildcards.shard)
+    return [folder] if folder else []
+
+
+def recordings_digest(wildcards):
+    """Params function: digest of a shard's recordings, which re-runs its jobs where a recording changes."""
+    return PLAN.corpora[wildcards.corpus].recordings(wildcards.shard)
 
 
 def carried(function):

@@ -41,6 +41,7 @@ rule sample_textures:
         disk_mb=5000,
     params:
         drift=lambda wildcards: coding_of(wildcards)["drift"],
+        recordings=recordings_digest,
         code=points_code("sample_textures.py"),
     script:
         "../scripts/sample_textures.py"
@@ -95,6 +96,7 @@ rule fit_faces:
         drift=lambda wildcards: coding_of(wildcards)["drift"],
         fitting=lambda wildcards: coding_of(wildcards)["fitting"],
         speakers=lambda wildcards: list(PLAN.corpora[wildcards.corpus].speakers),
+        recordings=recordings_digest,
         code=points_code("fit_faces.py"),
     script:
         "../scripts/fit_faces.py"

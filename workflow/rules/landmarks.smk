@@ -18,6 +18,7 @@ rule track_landmarks:
     params:
         landmarks=SETTINGS["landmarks"],
         screening=SETTINGS["screening"],
+        recordings=recordings_digest,
         code=code("track_landmarks.py"),
     script:
         "../scripts/track_landmarks.py"

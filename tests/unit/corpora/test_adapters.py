@@ -2,8 +2,8 @@
 
 import pytest
 
-from visualspeech.corpora.adapters import LEGAL_ID, list_utterances
-from visualspeech.corpora.records import legal_id, shard_of
+from visualspeech.corpora.adapters import list_utterances
+from visualspeech.corpora.records import LEGAL_ID, MAX_ID, legal_id, shard_of
 from visualspeech.errors import CorpusError, SettingError
 
 
@@ -49,7 +49,7 @@ def test_an_empty_root_is_a_sentence(tmp_path, adapter):
 
 
 @pytest.mark.parametrize(
-    "names", [("a.mp4", "a.mov"), ("sub/a.mp4", "sub-a.mp4"), ("A.mp4", "a.mov"), ("ä.mp4", "ö.mp4")]
+    "names", [("a.mp4", "a.mov"), ("sub/a.mp4", "sub-a.mp4"), ("A.mp4", "a.mov"), ("Zo\u00eb.mp4", "Zoe\u0308.mp4")]
 )
 def test_two_utterances_with_one_id_are_both_named(tmp_path, names):
     videos(tmp_path, *names)
@@ -71,6 +71,36 @@ def test_a_limit_keeps_the_same_utterances_when_the_corpus_grows_little(tmp_path
 @pytest.mark.parametrize("name", ["a b", "-x", ".hidden", "Zoë 1", "x/y", "日本", ""])
 def test_ids_made_of_file_names_are_legal(name):
     assert LEGAL_ID.fullmatch(legal_id(name))
+
+
+LEGAL = ["a", "bbaf2n", "s1-bbaf2n", "_x", "a.b-c_D", "0", "con", "x.", "a" * MAX_ID]
+
+
+@pytest.mark.parametrize("name", LEGAL)
+def test_a_name_that_is_a_legal_id_stays_as_it_is(name):
+    assert legal_id(name) == name
+
+
+def test_names_that_differ_have_ids_that_differ():
+    names = ["你好", "再见", "a b", "a_b", "a*b", "-x", "_x", ".x", "", "_", "a" * 300, "a" * 301, "é", "è", "\udce9"]
+    assert len({legal_id(name) for name in names}) == len(names)
+    assert all(LEGAL_ID.fullmatch(legal_id(name)) and len(legal_id(name)) <= MAX_ID for name in names)
+    assert legal_id("你好") == "__-670d974354"
+
+
+def test_composed_and_decomposed_spellings_have_one_id():
+    assert legal_id("Zo\u00eb") == legal_id("Zoe\u0308") != legal_id("Zoe")
+
+
+def test_files_named_by_the_longest_id_fit_in_a_file_system():
+    assert len(f".partial.{2**22}.{'a' * MAX_ID}.TextGrid".encode()) <= 255
+
+
+def test_two_speakers_in_another_script(tmp_path):
+    videos(tmp_path, "你好/1.mp4", "再见/1.mp4", "你好/2.mp4")
+    found = list_utterances(corpus(tmp_path))
+    assert sorted(one.speaker for one in found) == ["你好", "你好", "再见"]
+    assert len({one.id for one in found}) == 3
 
 
 def test_shards_are_stable_and_even():

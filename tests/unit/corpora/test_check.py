@@ -60,7 +60,17 @@ def test_unreadable_files(tmp_path):
     assert "empty: 0 bytes" in rejected(tmp_path / "empty.mp4")
     (tmp_path / "garbage.mp4").write_bytes(np.random.default_rng(0).bytes(5000))
     assert rejected(tmp_path / "garbage.mp4").startswith("unreadable media file")
-    assert rejected(tmp_path) == "the file does not exist"
+    assert rejected(tmp_path) == "the recording is a folder"
+    (tmp_path / "link.mp4").symlink_to(tmp_path / "none.mp4")
+    assert "a link to a file that does not exist" in rejected(tmp_path / "link.mp4")
+
+
+def test_the_problem_that_an_adapter_found_is_the_reason(tmp_path):
+    path = record(tmp_path)
+    result = checked(path, problem="its file name is not UTF-8 text", remedy="Rename the file.")
+    (finding,) = result.findings
+    assert (finding.finding, finding.remedy) == ("its file name is not UTF-8 text", "Rename the file.")
+    assert result.rejected and not result.digest
 
 
 @pytest.mark.parametrize(

@@ -83,6 +83,30 @@ def test_alignments_are_read_in_seconds_and_bad_ones_named(tmp_path):
         grid.read_alignment(tmp_path / "b.align")
 
 
+DAMAGED = {
+    "text": b"0 x sil",
+    "columns": b"0 12500\n",
+    "binary": bytes(range(256)) * 8,
+    "digits": b"0 " + b"9" * 5000 + b" bin\n",
+    "huge": b"0 1 sil\n" * 200_000,
+}
+
+
+@pytest.mark.parametrize("damage", DAMAGED)
+def test_a_damaged_alignment_is_a_problem_of_one_utterance(tmp_path, damage):
+    put(tmp_path, "s1/bbaf2n.mpg", "s1/lwiz9p.mpg", "s1/bbaf2n.align")
+    (tmp_path / "s1/bbaf2n.align").write_bytes(DAMAGED[damage])
+    bad, good = list_utterances(corpus(tmp_path))
+    assert (good.problem, good.transcript) == ("", "lay white in zed nine please")
+    assert "bbaf2n.align" in bad.problem and not bad.transcript
+    assert bad.remedy.startswith("Restore it from the corpus, or remove it")
+
+
+def test_odd_names_are_ids_too(tmp_path):
+    put(tmp_path, "s1/bba f2n.mpg", "s1/bbaf2n.mpg")
+    assert [one.id for one in list_utterances(corpus(tmp_path))] == ["bba_f2n-0ac8901ac0", "bbaf2n"]
+
+
 def test_real_recordings_say_what_their_names_say():
     root = grid_root()
     if root is None:

@@ -84,3 +84,12 @@ def test_a_speaker_with_too_few_utterances_is_named():
         split_utterances(of_speakers(anna=5, ben=2))
     with pytest.raises(CorpusError, match="the corpus has 0 utterances"):
         split_utterances([])
+
+
+@pytest.mark.parametrize("given", ["", "test"])
+def test_utterances_with_a_problem_leave_the_split_of_the_others_as_it_is(given):
+    sound = corpus(40, lambda number: given and ("train", "validation", "test")[number % 3])
+    bad = [Utterance(f"bad{number}", f"closed{number}", "x.mp4", "", problem="broken") for number in range(2)]
+    found = split_utterances([*bad, *sound])
+    assert {name: found.pop(name) for name in ("bad0", "bad1")} == {"bad0": "train", "bad1": "train"}
+    assert found == split_utterances(sound)

@@ -39,7 +39,7 @@ def test_every_utterance_is_once_in_its_shard(tmp_path):
     assert all(shard_of(one.id, 3) == int(shard) for shard, members in found.utterances.items() for one in members)
     ids = sorted(one.id for members in found.utterances.values() for one in members)
     assert sorted(found.split) == ids and found.shards == sorted(found.utterances, key=int)
-    assert found.media["0"] == [f"{tmp_path}/d/recordings/0"]
+    assert found.recorded_here["0"] == f"{tmp_path}/d/recordings/0" and found.recordings("0") == ""
     assert [row["id"] for row in found.rows("0")] == [one.id for one in found.utterances["0"]]
     assert found.test_utterances() == 2
     everyone = [one for members in found.utterances.values() for one in members]
@@ -57,13 +57,53 @@ def test_one_more_utterance_touches_one_shard(tmp_path):
     assert sum(before.rows(shard) != after.rows(shard) for shard in before.shards) == 1
 
 
-def test_media_are_the_files_that_are_there(tmp_path):
+NAMES = ["br{ace}s", "{shard}", "a b", "ünï", "x'y\"", "-dash", "~tilde", "100%", "a*b?", "[x]", "new\nline",
+         "tab\there", "s3:/mine/in", "back\\slash", "你好", "再见", "$(id)", os.fsdecode(b"lat\xe9")]  # fmt: skip
+
+
+@pytest.mark.parametrize("detection", ["metadata", "content"])
+def test_a_recording_that_changes_changes_its_shard_alone(tmp_path, detection):
+    given = folder(tmp_path, {f"{name}.mp4": "hello" for name in NAMES}, change_detection=detection)
+    before = plan(given)
+    digests = {shard: before.recordings(shard) for shard in before.shards}
+    changed = before.utterances["1"][0]
+    with open(changed.media, "ab") as file:
+        file.write(b"more")
+    assert before.recordings("1") == digests["1"]  # one plan looks once
+    after = plan(given)
+    assert {shard for shard in after.shards if after.recordings(shard) != digests[shard]} == {"1"}
+
+
+def test_a_listed_recording_that_is_missing_is_planned_for_the_check_to_report(tmp_path):
     for name in ("a.mp4", "b.mp4", "c.mp4"):
         (tmp_path / name).write_bytes(b"")
     (tmp_path / "list.csv").write_text("file,transcript\na.mp4,x\nb.mp4,x\nc.mp4,x\nmissing.mp4,x\n")
-    found = plan(folder(tmp_path, {}, "list.csv"), shards=1)
+    given = folder(tmp_path, {}, "list.csv")
+    found = plan(given, shards=1)
     assert len(found.utterances["0"]) == 4
-    assert found.media["0"] == [str(tmp_path / name) for name in ("a.mp4", "b.mp4", "c.mp4")]
+    missing = found.recordings("0")
+    (tmp_path / "missing.mp4").write_bytes(b"")
+    assert plan(given, shards=1).recordings("0") != missing
+
+
+def test_no_file_is_read_or_looked_at_before_its_shard_is_asked_for(tmp_path, monkeypatch):
+    given = folder(tmp_path, ANNA, change_detection="content")
+    found = plan(given)
+    read = []
+    monkeypatch.setattr("visualspeech.corpora.files.file_digest", lambda path: read.append(path) or "")
+    shard = found.shards[0]
+    found.recordings(shard)
+    found.recordings(shard)
+    assert read == sorted(one.media for one in found.utterances[shard])
+
+
+def test_utterances_with_a_problem_have_no_part_in_what_a_corpus_gives(tmp_path):
+    given = folder(tmp_path, {**ANNA, os.fsdecode(b"b\xe9n/1.mp4"): "hello"})
+    found = plan(given)
+    assert "one_speaker" in found.gives and found.speakers == {"anna": "anna"}
+    assert sum(bool(row["problem"]) for shard in found.shards for row in found.rows(shard)) == 1
+    with pytest.raises(CorpusError, match="no utterance of the corpus mine can be used .1 are listed.*not UTF-8"):
+        plan(folder(tmp_path / "bad", {os.fsdecode(b"b\xe9n/1.mp4"): "hello"}))
 
 
 ANNA = {f"anna/{n}.mp4": "hello" for n in range(4)}
@@ -106,11 +146,18 @@ def test_speakers_have_file_names_of_their_own(tmp_path):
     (tmp_path / "list.csv").write_text(
         "file,transcript,speaker\n" + "".join(f"{n}.mp4,x,{name}\n" for n, name in enumerate(["a b"] * 3 + ["c"] * 3))
     )
-    assert plan(folder(tmp_path, {}, "list.csv")).speakers == {"a_b": "a b", "c": "c"}
+    assert plan(folder(tmp_path, {}, "list.csv")).speakers == {"a_b-c8687a08aa": "a b", "c": "c"}
+    others = ["a b"] * 3 + ["a_b"] * 3 + ["你好"] * 3 + ["再见"] * 3
     (tmp_path / "list.csv").write_text(
-        "file,transcript,speaker\n" + "".join(f"{n}.mp4,x,{name}\n" for n, name in enumerate(["a b"] * 3 + ["a_b"] * 3))
+        "file,transcript,speaker\n" + "".join(f"{n}.mp4,x,{name}\n" for n, name in enumerate(others))
     )
-    with pytest.raises(CorpusError, match="'a b' and 'a_b' of the corpus mine differ only in characters"):
+    found = plan(folder(tmp_path, {}, "list.csv")).speakers
+    assert sorted(found.values()) == sorted(set(others)) and found["a_b"] == "a_b"
+    others = ["Zo\u00eb"] * 3 + ["Zoe\u0308"] * 3
+    (tmp_path / "list.csv").write_text(
+        "file,transcript,speaker\n" + "".join(f"{n}.mp4,x,{name}\n" for n, name in enumerate(others))
+    )
+    with pytest.raises(CorpusError, match="differ only in how their letters are encoded"):
         plan(folder(tmp_path, {}, "list.csv"))
 
 

@@ -3,7 +3,9 @@
 import pytest
 
 from tests.unit.planning.configs import CONFIG, resolved, rows
+from visualspeech.corpora.records import MAX_ID
 from visualspeech.errors import SettingError
+from visualspeech.fields import MAX_SEED
 from visualspeech.planning.systems import NEEDS, extended, missing_needs
 
 
@@ -207,3 +209,14 @@ def test_every_mistake_is_a_sentence(change, said):
 def test_an_entry_that_a_system_leaves_out_may_still_be_named():
     settings = resolved(models(hmm_mge=None))
     assert settings["systems"]["fan2015"]["tables"]["gains"]["references"] == ["hmm_monophone", "hmm_tied"]
+
+
+def test_the_longest_name_of_a_model_fits_in_a_file_system():
+    nets = {"letters": ["F" * 16], "nodes": [4096], "suffix": "s" * 32, "seeds": [1, MAX_SEED]}
+    entry = {"family": "lookup", "reads": ["tri"], "suffix": "s" * 32}
+    changes = {"models": {"nets": nets, "e" * 64: entry}, "videos": {"model": "training_mean"}}
+    longest = resolved({"override": {"systems": {"fan2015": changes}}})
+    names = [row["name"] for row in longest["systems"]["fan2015"]["rows"]]
+    assert 64 + 33 == len(max(names, key=len)) < MAX_ID
+    with pytest.raises(SettingError, match=r"nets.letters.0: F{80}.*at most 16"):
+        resolved({"override": {"systems": {"fan2015": {"models": {"nets": {"letters": ["F" * 300]}}}}}})
