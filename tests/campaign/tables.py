@@ -55,7 +55,9 @@ def _whole(root: Path, name: str, rows: list[tuple[str, ...]], rng: random.Rando
         broken = rng.random() < 0.3
         rows = [(file, said.replace(" ", "\n", 1) if broken else said, one) for file, said, one in rows]
         out = io.StringIO(newline="")
-        writer = csv.writer(out, delimiter=delimiter, lineterminator=ending, quoting=rng.choice([0, 1]))
+        # Python's writer leaves a line feed unquoted where lines end otherwise.
+        quoting = csv.QUOTE_ALL if broken else rng.choice([csv.QUOTE_MINIMAL, csv.QUOTE_ALL])
+        writer = csv.writer(out, delimiter=delimiter, lineterminator=ending, quoting=quoting)
         writer.writerows([("file", "transcript", "id"), *rows])
         text = out.getvalue()
     path = root / f"{name}{_SUFFIXES[delimiter]}"
