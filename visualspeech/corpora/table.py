@@ -11,7 +11,7 @@ TEXT = ("id", "speaker", "media", "transcript", "split", "emotion", "audio", "mo
 
 def read_utterances(path) -> list[Utterance]:
     """The utterances of a table, in its order; columns that are not fields of :class:`Utterance` are ignored."""
-    table = read_table(path, TEXT)
+    table = read_table(path, TEXT, ("start", "end"), TEXT[:4])
     known = [field.name for field in fields(Utterance) if field.name in table.columns]
     return [Utterance(**row) for row in table[known].to_dict("records")]
 
@@ -33,7 +33,7 @@ def write_split(path, split: Mapping[str, str]) -> None:
 
 def read_split(path) -> dict[str, str]:
     """Split of each utterance: id -> train, validation or test."""
-    table = read_table(path, ("id", "split"))
+    table = read_table(path, ("id", "split"), required=("id", "split"))
     return dict(zip(table["id"], table["split"], strict=True))
 
 

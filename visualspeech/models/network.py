@@ -7,13 +7,14 @@ from pathlib import Path
 import numpy as np
 import torch
 
-from visualspeech.errors import SettingError, StorageError
+from visualspeech.errors import DamagedFile, SettingError
 from visualspeech.features.blocks.base import Block
 from visualspeech.features.streams import Layout, Stream, joined
 from visualspeech.models.batches import Batch, Scaling
-from visualspeech.models.block_states import pack, unpack
+from visualspeech.models.block_states import BLOCK_ARRAYS, BLOCKS, pack, unpack
 from visualspeech.models.task import check_streams
 from visualspeech.models.training import one_thread
+from visualspeech.storage.layouts import RATE, TEXT, Array, FileLayout
 from visualspeech.storage.models import part_of, read_model_of, write_model
 
 
@@ -96,16 +97,25 @@ def load_network(
         As :func:`visualspeech.storage.models.read_model_of`, it is of another family, or its weights do not fit its
         settings.
     """
-    arrays, settings = read_model_of(path, f"model of the family {family}", ["model"], ["mean", "scale"], family)
-    blocks = unpack(arrays, settings["blocks"])
+    arrays, settings = read_model_of(path, f"model of the family {family}", ["model"], LAYOUT, family)
+    blocks = unpack(arrays, settings["blocks"], path)
     weights = {name: torch.tensor(values) for name, values in part_of(arrays, "weights").items()}
+    made = settings["settings"], [block.layout for block in blocks.values()], len(arrays["mean"])
     try:
-        module = build(settings["settings"], [block.layout for block in blocks.values()], len(arrays["mean"]))
+        if not blocks:
+            raise ValueError("there is no input block")
+        # Without memory at first, so that settings cannot ask for a larger module than the file has weights for.
+        with torch.device("meta"):
+            wanted = _forms(build(*made).state_dict())
+        if wanted != _forms(weights):
+            raise ValueError(f"of the weights, {', '.join(sorted(_different(wanted, _forms(weights)))[:3])} differ")
+        module = build(*made)
         module.load_state_dict(weights)
-    except (RuntimeError, TypeError, SettingError) as error:
-        raise StorageError(
-            f"the weights in {path} do not fit its settings; another version of this library wrote it, or it is "
-            "damaged. Train the model again."
+    except (RuntimeError, TypeError, ValueError, SettingError) as error:
+        raise DamagedFile(
+            path,
+            "its weights do not fit its settings; another version of this library wrote it, or it is damaged "
+            f"({error})",
         ) from error
     return Network(
         family=family,
@@ -117,3 +127,29 @@ def load_network(
         coding=settings["coding"],
         about=settings["about"],
     )
+
+
+LAYOUT = FileLayout(
+    {
+        "mean": Array("f", ("N",), -1e9, 1e9),
+        "scale": Array("f", ("N",), -1e9, 1e9),
+        "weights.*": Array("f", None, -1e9, 1e9),
+        **BLOCK_ARRAYS,
+    },
+    {
+        "settings": {"type": "object"},
+        "blocks": BLOCKS,
+        "rate": RATE,
+        "coding": TEXT,
+        "about": {"type": "object"},
+    },
+)
+
+
+def _forms(weights: Mapping[str, torch.Tensor]) -> dict[str, tuple]:
+    """Shape and type of each array of weights."""
+    return {name: (tuple(values.shape), values.dtype) for name, values in weights.items()}
+
+
+def _different(first: Mapping, second: Mapping) -> set[str]:
+    return {name for name in {*first, *second} if first.get(name) != second.get(name)}

@@ -64,14 +64,14 @@ def test_folders_that_are_no_speaker(copy, tmp_path):
         SpeakerBundle.load(tmp_path)
     about = json.loads((copy / "speaker.json").read_text())
     for text, said in [
-        ("{", "damaged"),
+        ("{", "speaker.json: it is no JSON"),
         ("{}", "does not describe"),
         (json.dumps([about]), "does not describe"),
-        (json.dumps(about | {"parts": ["model"]}), "does not describe"),
-        (json.dumps(about | {"phones": 40}), "does not describe"),
-        (json.dumps(about | {"phones": [1, *about["phones"]]}), "does not describe"),
-        (json.dumps(about | {"state_shares": {"aa": [0.5, 0.5]}}), "does not describe"),
-        (json.dumps(about | {"consent": None}), "does not describe"),
+        (json.dumps(about | {"parts": ["model"]}), "`parts` in its settings"),
+        (json.dumps(about | {"phones": 40}), "`phones"),
+        (json.dumps(about | {"phones": [1, *about["phones"]]}), "`phones"),
+        (json.dumps(about | {"state_shares": {"aa": [0.5, 0.5]}}), "`state_shares"),
+        (json.dumps(about | {"consent": None}), "`consent"),
         (json.dumps(about | {"version": 9}), "version 9"),
     ]:
         (copy / "speaker.json").write_text(text)
@@ -86,12 +86,12 @@ def test_folders_that_are_no_speaker(copy, tmp_path):
 @pytest.mark.parametrize(
     ("part", "given", "said"),
     [
-        ("model", "aam", "model.safetensors holds no trained model"),
-        ("aam", "model", "aam.safetensors holds no appearance model"),
-        ("reference", "model", "reference.safetensors holds no texture grid"),
-        ("reference", "aam", "reference.safetensors holds no texture grid"),
-        ("head", "model", "head.safetensors holds no head model"),
-        ("rest", "model", "rest.safetensors holds no face at rest"),
+        ("model", "aam", "model.safetensors: it holds no trained model"),
+        ("aam", "model", "aam.safetensors: it holds no appearance model"),
+        ("reference", "model", "reference.safetensors: it holds no texture grid"),
+        ("reference", "aam", "reference.safetensors: it holds no texture grid"),
+        ("head", "model", "head.safetensors: it holds no head model"),
+        ("rest", "model", "rest.safetensors: it holds no face at rest"),
         ("background", "model", "cannot read .*background.h5"),
     ],
 )

@@ -58,7 +58,7 @@ def test_streams_of_other_blocks_are_refused(network):
 def test_files_that_are_no_network(tmp_path, network):
     path = tmp_path / "mean.safetensors"
     mean.fit(task("mean", training=utterances(1))).model.save(path)
-    with pytest.raises(StorageError, match="mean.safetensors holds no model of the family stack. Give"):
+    with pytest.raises(StorageError, match="mean.safetensors: it holds no model of the family stack. Give"):
         stack.load(path)
     path.write_bytes(b"no model")
     for load in (stack.load, load_model):
