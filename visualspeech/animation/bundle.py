@@ -24,7 +24,7 @@ from visualspeech.models.registry import load_model
 from visualspeech.models.task import Model
 from visualspeech.provenance import file_digest
 from visualspeech.storage.files import read_text, write_text
-from visualspeech.storage.layouts import PHONES, RATE, TEXT, Array, FileLayout, check_plain
+from visualspeech.storage.layouts import PHONES, RATE, TEXT, Array, FileLayout, check_plain, parse_plain
 from visualspeech.storage.models import read_model_of, write_model
 
 KIND = "visualspeech speaker"
@@ -89,7 +89,10 @@ class SpeakerBundle:
             background = Background.load(folder / FILES["background"])
         except DamagedFile as error:
             raise DamagedFile(error.path, error.reason, REMEDY) from error
-        check_together(trained, speaker, about["parts"]["aam"], about["phones"])
+        try:
+            check_together(trained, speaker, about["parts"]["aam"], about["phones"])
+        except DataError as error:
+            raise DataError(f"the parts of the speaker {folder} do not fit each other: {error}") from error
         if rest.shape != (trained.outputs,):
             raise DataError(f"{folder / FILES['rest']} is a face of another appearance model. Build the speaker again.")
         sizes = background.shapes.shape[1], background.textures.shape[1]
@@ -190,7 +193,7 @@ def _description(folder: Path) -> dict:
             "`speaker`, results/<corpus>/<system>/speakers/<model>."
         )
     try:
-        about = json.loads(read_text(path))
+        about = parse_plain(read_text(path))
         known = isinstance(about, dict) and about.get("kind") == KIND
         if known and about.get("version") != VERSION:
             version = str(about.get("version"))[:20]

@@ -224,7 +224,7 @@ def _check_tables(path, made: Lookup) -> None:
         check_arrays(path, tables, layout, {"N": made.outputs})
         if (np.diff(tables["codes"].astype(np.int64)) <= 0).any():
             raise DamagedFile(path, f"its means for the context {context} are not sorted")
-    if made.blocks and [block.layout.sizes for block in made.blocks.values()] != [made.sizes]:
+    if [block.layout.sizes for block in made.blocks.values()] != [made.sizes]:
         raise DamagedFile(path, "its classes are not those of its input block")
 
 

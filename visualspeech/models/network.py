@@ -82,7 +82,10 @@ class Network:
 
 
 def load_network(
-    path: str | Path, family: str, build: Callable[[Mapping, list[Layout], int], torch.nn.Module]
+    path: str | Path,
+    family: str,
+    build: Callable[[Mapping, list[Layout], int], torch.nn.Module],
+    shapes: Callable[[Mapping, list[Layout], int], Mapping[str, tuple[int, ...]]],
 ) -> Network:
     """Read what :meth:`Network.save` wrote.
 
@@ -90,6 +93,7 @@ def load_network(
     ----------
     family : that it must be of
     build : (settings, layouts of the blocks, outputs) -> module without its weights
+    shapes : of the same -> shape of each weight of that module by name, found without making it
 
     Raises
     ------
@@ -104,11 +108,11 @@ def load_network(
     try:
         if not blocks:
             raise ValueError("there is no input block")
-        # Without memory at first, so that settings cannot ask for a larger module than the file has weights for.
-        with torch.device("meta"):
-            wanted = _forms(build(*made).state_dict())
-        if wanted != _forms(weights):
-            raise ValueError(f"of the weights, {', '.join(sorted(_different(wanted, _forms(weights)))[:3])} differ")
+        wanted, found = shapes(*made), {name: tuple(values.shape) for name, values in weights.items()}
+        # Before the module is made: settings could ask for one that no memory holds.
+        if wanted != found or any(values.dtype != torch.float32 for values in weights.values()):
+            differ = sorted(name for name in {*wanted, *found} if wanted.get(name) != found.get(name))
+            raise ValueError(f"of the weights, {', '.join(differ[:3]) or 'the types'} differ")
         module = build(*made)
         module.load_state_dict(weights)
     except (RuntimeError, TypeError, ValueError, SettingError) as error:
@@ -144,12 +148,3 @@ LAYOUT = FileLayout(
         "about": {"type": "object"},
     },
 )
-
-
-def _forms(weights: Mapping[str, torch.Tensor]) -> dict[str, tuple]:
-    """Shape and type of each array of weights."""
-    return {name: (tuple(values.shape), values.dtype) for name, values in weights.items()}
-
-
-def _different(first: Mapping, second: Mapping) -> set[str]:
-    return {name for name in {*first, *second} if first.get(name) != second.get(name)}

@@ -59,8 +59,7 @@ class ArrayWriter:
         group = self._file.create_group(utterance_id)
         _write_attributes(group, {"rate": float(rate), **attributes})
         for name, values in arrays.items():
-            values = np.asarray(values)
-            data = group.create_dataset(name, data=values, track_times=False, **_layout(values))
+            data = _create(group, name, np.asarray(values))
             if units and name in units:
                 _write_attributes(data, {"units": units[name]})
 
@@ -75,17 +74,24 @@ class ArrayWriter:
         self._context.__exit__(kind, error, trace)
 
 
-def _layout(values: np.ndarray) -> dict:
-    """Keywords of ``create_dataset`` with which an array is covered by a checksum."""
+def _create(group, name: str, values: np.ndarray):
+    """Write an array into a group so that a checksum covers it; returns its dataset."""
     import h5py
 
-    if values.nbytes <= _SMALL:
-        properties = h5py.h5p.create(h5py.h5p.DATASET_CREATE)
-        properties.set_layout(h5py.h5d.COMPACT)
-        return {"dcpl": properties}
-    # Chunks of equal size, so that the last one is not padded by much.
-    rows = -(-len(values) // min(-(-values.nbytes // _CHUNK), len(values)))
-    return {"chunks": (rows, *values.shape[1:]), "fletcher32": True}
+    if values.nbytes > _SMALL:
+        # Chunks of equal size, so that the last one is not padded by much.
+        rows = -(-len(values) // min(-(-values.nbytes // _CHUNK), len(values)))
+        chunks = (rows, *values.shape[1:])
+        return group.create_dataset(name, data=values, track_times=False, chunks=chunks, fletcher32=True)
+    # By the functions below h5py's own, which would keep a scalar outside the metadata.
+    properties = h5py.h5p.create(h5py.h5p.DATASET_CREATE)
+    properties.set_layout(h5py.h5d.COMPACT)
+    properties.set_obj_track_times(False)
+    kind = h5py.h5t.py_create(values.dtype, logical=True)
+    space = h5py.h5s.create_simple(values.shape) if values.shape else h5py.h5s.create(h5py.h5s.SCALAR)
+    made = h5py.Dataset(h5py.h5d.create(group.id, name.encode("utf-8"), kind, space, properties))
+    made[...] = values
+    return made
 
 
 def _write_attributes(node, attributes: Mapping) -> None:
@@ -173,7 +179,7 @@ class ArrayReader:
         import h5py
 
         data = _node(self._group(utterance_id), name, h5py.Dataset)
-        if data.dtype.kind not in "biuf" or data.is_virtual or data.external:
+        if data.dtype.kind not in "biuf" or data.shape is None or data.is_virtual or data.external:
             raise TypeError(f"it is no array of numbers in this file, but of the type {data.dtype}")
         if not data.nbytes <= data.id.get_storage_size() <= self._bytes:
             raise ValueError(f"it claims {data.nbytes} bytes, more than the file holds")
@@ -186,7 +192,8 @@ class ArrayReader:
             yield
         except (OSError, LookupError, RuntimeError, ValueError, TypeError, AttributeError, OverflowError) as error:
             where = f"array {name!r} of " * bool(name) + f"utterance {utterance_id!r}: " * bool(utterance_id)
-            raise DamagedFile(self.path, f"{where}{error.args[-1] if error.args else error!r}") from error
+            said = error.args[0] if isinstance(error, KeyError) and error.args else error
+            raise DamagedFile(self.path, f"{where}{said}") from error
 
 
 def _holds(parent, name: str) -> bool:

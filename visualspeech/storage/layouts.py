@@ -9,6 +9,8 @@ that uses it::
     )
 """
 
+import json
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
@@ -18,6 +20,7 @@ from visualspeech.errors import DamagedFile
 
 #: Largest value of a real array unless its layout says otherwise: products of some of them stay finite numbers.
 MAGNITUDE = 1e12
+_NO_TYPES = (np.dtype(np.float16), np.dtype(np.longdouble))  # real types that not every library here reads
 #: JSON Schemas that several kinds of files share.
 TEXT = {"type": "string", "maxLength": 100_000}
 RATE = {"type": "number", "minimum": 0.01, "maximum": 10_000}
@@ -98,7 +101,7 @@ def check_arrays(
         found = layout.get(name) or layout.get(f"{name.partition('.')[0]}.*")
         if found is None:
             raise DamagedFile(path, f"the array {name!r} is unknown")
-        if values.dtype.kind not in found.kinds or values.dtype.itemsize > 8:
+        if values.dtype.kind not in found.kinds or values.dtype in _NO_TYPES:
             raise DamagedFile(path, f"the array {name!r} is of the type {values.dtype}")
         wanted = found.shape
         if not (0 not in values.shape if wanted is None else _fits(values.shape, wanted, known)):
@@ -109,6 +112,26 @@ def check_arrays(
                 path, f"the array {name!r} has a value that is no number from {found.low:g} to {found.high:g}"
             )
     return known
+
+
+def parse_plain(text: str):
+    """What a JSON text holds; numbers that are not finite or take more than 64 bits are None.
+
+    Raises
+    ------
+    ValueError, RecursionError
+        It is no JSON, or nested too deeply.
+    """
+
+    def real(digits: str) -> float | None:
+        value = float(digits)
+        return value if math.isfinite(value) else None
+
+    def whole(digits: str) -> int | None:
+        value = int(digits)
+        return value if abs(value) < 2**63 else None
+
+    return json.loads(text, parse_constant=lambda _: None, parse_float=real, parse_int=whole)
 
 
 def check_plain(path, plain, schema: Mapping) -> None:
@@ -164,4 +187,4 @@ def _within(values: np.ndarray, layout: Array) -> bool:
     if values.dtype.kind == "b":
         return True
     # A minimum of values of which one is NaN is NaN, and no comparison with it holds.
-    return bool(values.min() >= layout.low and values.max() <= layout.high)
+    return float(values.min()) >= layout.low and float(values.max()) <= layout.high

@@ -2,7 +2,6 @@
 
 import hashlib
 import json
-import math
 from collections.abc import Collection, Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
@@ -11,7 +10,7 @@ import numpy as np
 
 from visualspeech.errors import DamagedFile
 from visualspeech.storage.files import replacing
-from visualspeech.storage.layouts import FileLayout
+from visualspeech.storage.layouts import FileLayout, parse_plain
 
 #: The one key of the metadata: with several, the order in the file would differ from process to process.
 _KEY = "visualspeech"
@@ -35,7 +34,7 @@ def write_model(path: str | Path, tensors: Mapping[str, np.ndarray], settings: M
 def read_model(path: str | Path) -> tuple[dict[str, np.ndarray], dict]:
     """Read what :func:`write_model` wrote: (arrays by name, settings).
 
-    A number in the settings that JSON does not have (NaN, infinity) is read as None.
+    Numbers in the settings that are not finite are read as None.
 
     Raises
     ------
@@ -101,10 +100,10 @@ def _opened_model(path: str | Path) -> Iterator[tuple]:
 
     try:
         with safe_open(str(path), framework="numpy") as file:
-            content = _plain((file.metadata() or {})[_KEY])
+            content = parse_plain((file.metadata() or {})[_KEY])
             if content["header"] != _header_digest(content, _shapes(file)):
                 raise DamagedFile(path, "its header is damaged")
-            settings = _plain(content["settings"])
+            settings = parse_plain(content["settings"])
             if not isinstance(settings, dict):
                 raise DamagedFile(path, "its settings are no mapping")
             yield file, settings, content["arrays"]
@@ -113,16 +112,6 @@ def _opened_model(path: str | Path) -> Iterator[tuple]:
     except (OSError, SafetensorError, LookupError, ValueError, TypeError, AttributeError) as error:
         reason = f"it is missing, damaged, or not a model that this version of the library has written ({error!r})"
         raise DamagedFile(path, reason) from error
-
-
-def _plain(text: str):
-    """What a JSON text holds; numbers that are not finite are None."""
-
-    def finite(number: str) -> float | None:
-        value = float(number)
-        return value if math.isfinite(value) else None
-
-    return json.loads(text, parse_constant=lambda _: None, parse_float=finite)
 
 
 def _shapes(file) -> dict[str, tuple[int, ...]]:

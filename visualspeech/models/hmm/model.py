@@ -230,6 +230,7 @@ PLAIN = {
         "about": {"type": "object"},
     },
 }
+_MOST_STEP = 200  # frames between the taps of the windows, to which the memory of a generated stream is proportional
 _MOST_SPREAD = 1e12  # largest over least variance of one parameter, beyond which streams cannot be computed
 
 
@@ -237,6 +238,8 @@ def _check(path, hmm: Hmm) -> None:
     """Refuse trees that never end or lead to no Gaussian, and Gaussians from which no stream can be generated."""
     tying, count = hmm.tying, len(hmm.gaussians.mean)
     nodes = len(tying.positions)
+    if hmm.settings.step > _MOST_STEP:
+        raise DamagedFile(path, f"its windows reach over {hmm.settings.step} frames, more than {_MOST_STEP}")
     if len(hmm.phones) != tying.roots.shape[1] or hmm.settings.states != tying.roots.shape[0]:
         raise DamagedFile(path, "its phones or states are not those of its trees")
     targets = np.concatenate([tying.roots.ravel(), tying.branches.ravel()])
