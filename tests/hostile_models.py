@@ -50,6 +50,7 @@ PHONES = ("sil", "aa", "b", "iy", "m", "s")
 FAMILIES = ("stack", "hmm", "lookup", "mean")
 WHOLE = 0.02  # share of the cases that load a whole folder and render it
 RENDERED = 0.2  # share of the loaded folders of which a frame is rendered, which takes longest
+SLOW = {"background": 0.3, "speaker": 0.3, "rest": 0.2}  # weights of parts whose cases take longest; others have 1
 NUMBERS = (np.nan, np.inf, -np.inf, 1e308, -1e308, 1e38, 1e30, 1e13, -1e13, 1e7, 0.0, -1.0, 1e-30)
 
 
@@ -121,7 +122,9 @@ class _Stage:
             self.background = {name: (file[name], file.attributes(name)) for name in file.ids}
 
     def run(self, number: int, random: np.random.Generator) -> Outcome:
-        part = str(random.choice([*self.paths, "background", "speaker"]))
+        parts = [*self.paths, "background", "speaker"]
+        weights = np.array([SLOW.get(name, 1.0) for name in parts])
+        part = str(random.choice(parts, p=weights / weights.sum()))
         file = {"background": FILES["background"], "speaker": DESCRIPTION}.get(part)
         path = self.work / (file or FILES.get(part, FILES["model"]))
         whole = part in ("speaker", "rest") or random.random() < WHOLE

@@ -83,7 +83,7 @@ def _create(group, name: str, values: np.ndarray):
         rows = -(-len(values) // min(-(-values.nbytes // _CHUNK), len(values)))
         chunks = (rows, *values.shape[1:])
         return group.create_dataset(name, data=values, track_times=False, chunks=chunks, fletcher32=True)
-    # By the functions below h5py's own, which would keep a scalar outside the metadata.
+    # With the low-level functions, since `create_dataset` ignores the properties of a scalar.
     properties = h5py.h5p.create(h5py.h5p.DATASET_CREATE)
     properties.set_layout(h5py.h5d.COMPACT)
     properties.set_obj_track_times(False)

@@ -81,6 +81,17 @@ def test_weights_that_do_not_fit_their_settings_are_a_sentence(tmp_path, network
         stack.load(path)
 
 
+def test_settings_do_not_decide_how_much_memory_is_used(tmp_path, network, monkeypatch):
+    path = tmp_path / "network.safetensors"
+    network.save(path)
+    arrays, settings = read_model(path)
+    huge = {**settings["settings"], "letters": "B" * 16, "nodes": 4096}  # 10 GB of weights
+    write_model(path, arrays, {**settings, "settings": huge})
+    monkeypatch.setattr(stack, "Stack", None)
+    with pytest.raises(StorageError, match="network.safetensors: its weights do not fit its settings"):
+        stack.load(path)
+
+
 def test_one_thread_gives_the_threads_back():
     before = torch.get_num_threads()
     with one_thread():
