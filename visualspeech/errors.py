@@ -17,6 +17,22 @@ class StorageError(VisualSpeechError):
     """A file cannot be read or written, or does not hold what it should."""
 
 
+class DamagedFile(StorageError):
+    """A file is damaged, or holds something else than it should.
+
+    Parameters
+    ----------
+    path : of the file
+    reason : what is wrong with it: the end of the sentence "cannot read <path>: ..."
+    remedy : what the user can do about it; by default what helps with a file that a run has written
+    """
+
+    def __init__(self, path, reason: str, remedy: str = "") -> None:
+        remedy = remedy or "Delete the file and run the same command again to recreate it."
+        super().__init__(f"cannot read {path}: {reason.rstrip('.')}. {remedy}")
+        self.path, self.reason = path, reason
+
+
 class DataError(VisualSpeechError):
     """Data that belong together do not match (lengths, rates, dimensions)."""
 

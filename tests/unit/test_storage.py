@@ -11,7 +11,7 @@ from visualspeech.errors import StorageError
 from visualspeech.storage.arrays import ArrayCollection, ArrayReader, ArrayWriter
 from visualspeech.storage.files import check_writable, copy_file, read_text, replacing, write_text
 from visualspeech.storage.models import read_model, write_model
-from visualspeech.storage.tables import read_table, write_table
+from visualspeech.storage.tables import read_numbers, read_table, write_table
 
 
 def write_arrays(path):
@@ -135,7 +135,7 @@ import numpy as np
 from visualspeech.storage.arrays import ArrayCollection, ArrayReader, ArrayWriter
 from visualspeech.storage.files import check_writable, copy_file, read_text, replacing, write_text
 from visualspeech.storage.models import read_model, write_model
-from visualspeech.storage.tables import read_table, write_table
+from visualspeech.storage.tables import read_numbers, read_table, write_table
 from visualspeech.media import encoding, reading
 from visualspeech.errors import StorageError
 signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
@@ -175,3 +175,157 @@ def test_whether_a_file_can_be_written_is_known_before(tmp_path):
     (tmp_path / "file").write_text("")
     with pytest.raises(StorageError, match="cannot write .*out.mp4: Not a directory"):
         check_writable(tmp_path / "file" / "out.mp4")
+
+
+def arrays_of(path):
+    with ArrayReader(path) as arrays:
+        return {
+            one: (
+                arrays.attributes(one),
+                {name: (str(v.dtype), v.shape, v.tobytes()) for name, v in arrays[one].items()},
+            )
+            for one in arrays.ids
+        }
+
+
+def test_any_changed_byte_of_arrays_is_harmless_or_a_sentence(tmp_path):
+    random = np.random.default_rng(3)
+    path = tmp_path / "s.h5"
+    with ArrayWriter(path) as out:
+        values = {"large": random.integers(0, 255, (40, 1000), dtype=np.uint8), "small": random.normal(size=(5, 3))}
+        out.add("a", {**values, "empty": np.zeros((0, 2)), "scalar": np.float32(3)}, 25.0, {"small": "px"}, media="xé")
+    whole, sound = path.read_bytes(), arrays_of(path)
+    assert sound["a"][0] == {"rate": 25.0, "media": "xé"}
+    refused = 0
+    for at in [*range(0, 400), *random.integers(0, len(whole), 500)]:
+        changed = bytearray(whole)
+        changed[at] ^= 1 << int(random.integers(8))
+        path.write_bytes(changed)
+        try:
+            assert arrays_of(path) == sound, f"byte {at}"
+        except StorageError as error:
+            assert str(path) in str(error) and "run the same command again" in str(error)
+            refused += 1
+    assert refused > 500
+
+
+def test_arrays_that_are_large_are_read_by_rows(tmp_path):
+    values = np.random.default_rng(0).integers(0, 255, (75, 40_000), dtype=np.uint8)  # three chunks
+    with ArrayWriter(tmp_path / "s.h5") as out:
+        out.add("a", {"x": values, "row": values.reshape(1, -1)}, 25.0)
+    with ArrayReader(tmp_path / "s.h5") as arrays:
+        np.testing.assert_array_equal(arrays.array("a", "x"), values)
+        np.testing.assert_array_equal(arrays.array("a", "x", [3, 40, 74]), values[[3, 40, 74]])
+        np.testing.assert_array_equal(arrays.array("a", "row"), values.reshape(1, -1))
+        assert arrays.length("a", "x") == 75
+
+
+def foreign(path, change):
+    import h5py
+
+    with h5py.File(path, "w") as file:
+        group = file.create_group("a")
+        group.attrs["rate"] = 25.0
+        change(h5py, file, group)
+
+
+@pytest.mark.parametrize(
+    ("change", "reason"),
+    [
+        (lambda h5, file, a: a.create_group("x"), "it is a group, not a dataset"),
+        (lambda h5, file, a: a.__setitem__("x", h5.SoftLink("/a")), "a link"),
+        (lambda h5, file, a: a.__setitem__("x", h5.ExternalLink("/etc/passwd", "/")), "a link"),
+        (lambda h5, file, a: a.create_dataset("x", data=["text"]), "no array of numbers"),
+        (lambda h5, file, a: a.create_dataset("x", data=h5.Empty("f")), "no array of numbers"),
+        (
+            lambda h5, file, a: a.create_dataset("x", (2,), "u1", external=[("/etc/passwd", 0, 2)]),
+            "no array of numbers",
+        ),
+        (lambda h5, file, a: a.create_dataset("x", (10**12,), "f8", chunks=(9,), compression=1), "more than the file"),
+        (lambda h5, file, a: None, "there is none"),
+    ],
+)
+def test_what_is_no_array_of_this_file_is_a_sentence(tmp_path, change, reason):
+    foreign(tmp_path / "s.h5", change)
+    with (
+        ArrayReader(tmp_path / "s.h5") as arrays,
+        pytest.raises(StorageError, match=f"'x' of utterance 'a': .*{reason}"),
+    ):
+        arrays.array("a", "x")
+
+
+def test_links_to_utterances_and_frame_rates_that_are_none(tmp_path):
+    foreign(
+        tmp_path / "s.h5",
+        lambda h5, file, a: (a.attrs.modify("rate", np.inf), file.__setitem__("b", h5.SoftLink("/a"))),
+    )
+    with ArrayCollection([tmp_path / "s.h5"]) as arrays:
+        with pytest.raises(StorageError, match="s.h5: utterance 'a': the frame rate is inf"):
+            arrays.rate("a")
+        with pytest.raises(StorageError, match="s.h5: utterance 'b': it is a link"):
+            arrays["b"]
+    with ArrayReader(tmp_path / "s.h5") as arrays:
+        assert "a/x" not in arrays and "." not in arrays
+
+
+def test_any_changed_byte_of_a_model_is_a_sentence(tmp_path):
+    path, random = tmp_path / "m.safetensors", np.random.default_rng(1)
+    arrays = {"w": random.normal(size=(8, 5)), "none": np.zeros((0, 2)), "s": np.float32(1)}
+    write_model(path, arrays, {"a": 1.5})
+    whole = path.read_bytes()
+    for at in range(len(whole)):
+        changed = bytearray(whole)
+        changed[at] ^= 1 << int(random.integers(8))
+        path.write_bytes(changed)
+        try:
+            back, settings = read_model(path)
+        except StorageError as error:
+            assert str(path) in str(error) and "run the same command again" in str(error)
+            continue
+        # Spaces that pad the header do not count.
+        assert settings == {"a": 1.5} and all(np.array_equal(back[name], arrays[name]) for name in arrays), at
+
+
+def test_settings_that_json_does_not_have_or_that_are_deep(tmp_path):
+    path = tmp_path / "m.safetensors"
+    write_model(path, {}, {"a": float("nan"), "b": [1e308 * 10], "c": 10**30})
+    assert read_model(path)[1] == {"a": None, "b": [None], "c": None}
+    from safetensors.numpy import save
+
+    for text in ("[" * 200_000, "[]", "no", '{"settings": 3, "header": "", "arrays": ""}'):
+        path.write_bytes(save({"x": np.zeros(2)}, metadata={"visualspeech": text}))
+        with pytest.raises(StorageError, match="m.safetensors"):
+            read_model(path)
+
+
+@pytest.mark.parametrize(
+    ("text", "reason"),
+    [
+        ("id\tx\na\t1\nb\n", "line 3 has 1 cells, the head of the table 2"),
+        ("id\tx\na\t1\nb\t2\t3\n", "line 3 has 3 cells"),
+        ("id\tx\na\t1\t2\n", "line 2 has 3 cells"),
+        ("id\tx\na\t1\n\nb\t2\n", "line 3 has 0 cells"),
+        ("id\tx\na\t1\nb\t2", "breaks off in line 3"),
+        ('id\tx\n"a\nb"\t1\nc\tlong\n', "line 4 has 'long' in the column x, no number"),
+        ("id\ty\na\t1\n", "no column x"),
+        ('id\tx\n"a\t1\nb\t2\n', "no table"),
+        ("", "no table"),
+    ],
+)
+def test_damaged_tables_name_the_line(tmp_path, text, reason):
+    path = tmp_path / "t.tsv"
+    path.write_text(text)
+    with pytest.raises(StorageError, match=f"t.tsv: .*{reason}.* Delete the file and run the same command again"):
+        read_table(path, number_columns=["x"])
+
+
+def test_tables_that_people_edit(tmp_path):
+    path = tmp_path / "t.tsv"
+    path.write_bytes(b"\xef\xbb\xbfid\tx\r\na\t1\r\n\r\nb\t2")
+    assert read_table(path, number_columns=["x"], edited=True).to_dict("list") == {"id": ["a", "b"], "x": [1, 2]}
+    path.write_text("id\tx\na\tone")
+    with pytest.raises(StorageError, match="line 2 has 'one' in the column x, no number. Correct the file"):
+        read_table(path, number_columns=["x"], edited=True)
+    with pytest.raises(StorageError, match="line 2 has 'one'"):
+        path.write_text("id\tx\na\tone\n")
+        read_numbers(path)

@@ -10,16 +10,18 @@ from pathlib import Path
 
 import numpy as np
 
-from visualspeech.errors import DataError, StorageError
+from visualspeech.errors import DamagedFile, DataError
 from visualspeech.face.drift import FaceReference
 from visualspeech.face.pose import Pose
-from visualspeech.face.tracker import RIGID
+from visualspeech.face.tracker import POINTS, RIGID
 from visualspeech.storage.arrays import ArrayReader, ArrayWriter
+from visualspeech.storage.layouts import RATE, TEXT, Array, check_arrays, check_plain
 
 UPPER = np.r_[0:3, 14:17, 17:48]
 """Landmarks that do not move with speech but with blinks: temples, brows, nose, eyes."""
 
 QUALITY = 97  # of the JPEGs; their error is smaller than that of the recording's own compression
+MAX_FRAMES = 10_000  # of a background: distances between all pairs of its frames are kept in memory
 _THUMBNAIL = 64  # pixels, width
 
 
@@ -37,6 +39,7 @@ class Background:
     media : path of each recording, for information
     rate : frame rate in Hz
     size : (width, height) in pixels
+    path : of the file, for messages
     """
 
     jpegs: tuple[bytes, ...]
@@ -48,16 +51,27 @@ class Background:
     media: tuple[str, ...]
     rate: float
     size: tuple[int, int]
+    path: str = ""
 
     def __len__(self) -> int:
         return len(self.jpegs)
 
     def frame(self, index: int) -> np.ndarray:
-        """One frame, (height, width, 3) uint8 RGB."""
+        """One frame, (height, width, 3) uint8 RGB.
+
+        Raises
+        ------
+        StorageError
+            It is damaged.
+        """
         import cv2
 
         coded = np.frombuffer(self.jpegs[index], np.uint8)
-        return cv2.cvtColor(cv2.imdecode(coded, cv2.IMREAD_COLOR), cv2.COLOR_BGR2RGB)
+        # The size is read from the header first: a few bytes could ask for an image that no memory holds.
+        decoded = cv2.imdecode(coded, cv2.IMREAD_COLOR) if jpeg_size(self.jpegs[index]) == self.size else None
+        if decoded is None or decoded.shape[1::-1] != self.size:
+            raise DamagedFile(self.path, f"frame {index + 1} is no JPEG of {self.size[0]} by {self.size[1]} pixels")
+        return cv2.cvtColor(decoded, cv2.COLOR_BGR2RGB)
 
     @classmethod
     def load(cls, path: str | Path) -> "Background":
@@ -69,33 +83,83 @@ class Background:
             The file is missing, damaged or of another kind.
         """
         with ArrayReader(path) as file:
-            try:
-                recordings = [(file[name], file.attributes(name), file.rate(name)) for name in file.ids]
-                if not recordings:
-                    raise KeyError("no recording")
-                jpegs, clips = [], []
-                for number, (arrays, _, _) in enumerate(recordings):
-                    borders = np.r_[0, arrays["ends"]]
-                    coded = arrays["pictures"].tobytes()
-                    jpegs += [coded[a:b] for a, b in zip(borders[:-1], borders[1:], strict=True)]
-                    clips += [number] * len(arrays["ends"])
+            recordings = [(file[name], file.attributes(name)) for name in file.ids]
+        if not recordings:
+            raise DamagedFile(path, "it holds no recording")
+        _check(path, recordings)
+        jpegs, clips = [], []
+        for number, (arrays, _) in enumerate(recordings):
+            borders = np.r_[0, arrays["ends"]]
+            coded = arrays["pictures"].tobytes()
+            jpegs += [coded[a:b] for a, b in zip(borders[:-1], borders[1:], strict=True)]
+            clips += [number] * len(arrays["ends"])
 
-                def joined(name: str) -> np.ndarray:
-                    return np.concatenate([arrays[name] for arrays, _, _ in recordings])
+        def joined(name: str) -> np.ndarray:
+            return np.concatenate([arrays[name] for arrays, _ in recordings])
 
-                return cls(
-                    jpegs=tuple(jpegs),
-                    landmarks=joined("landmarks"),
-                    pose=Pose(joined("rotation"), joined("translation")),
-                    clip=np.array(clips),
-                    shapes=np.stack([arrays["reference_shape"] for arrays, _, _ in recordings]),
-                    textures=np.stack([arrays["reference_texture"] for arrays, _, _ in recordings]),
-                    media=tuple(str(attributes["media"]) for _, attributes, _ in recordings),
-                    rate=recordings[0][2],
-                    size=(int(recordings[0][1]["width"]), int(recordings[0][1]["height"])),
-                )
-            except (KeyError, ValueError) as error:
-                raise StorageError(f"{path} holds no background ({error}). Build the speaker again.") from error
+        first = recordings[0][1]
+        return cls(
+            jpegs=tuple(jpegs),
+            landmarks=joined("landmarks"),
+            pose=Pose(joined("rotation"), joined("translation")),
+            clip=np.array(clips),
+            shapes=np.stack([arrays["reference_shape"] for arrays, _ in recordings]),
+            textures=np.stack([arrays["reference_texture"] for arrays, _ in recordings]),
+            media=tuple(attributes["media"] for _, attributes in recordings),
+            rate=float(first["rate"]),
+            size=(int(first["width"]), int(first["height"])),
+            path=str(path),
+        )
+
+
+_PIXELS = {"type": "integer", "minimum": 16, "maximum": 16_384}
+_ATTRIBUTES = {
+    "type": "object",
+    "required": ["rate", "media", "width", "height"],
+    "additionalProperties": False,
+    "properties": {"rate": {**RATE, "maximum": 1000}, "media": TEXT, "width": _PIXELS, "height": _PIXELS},
+}
+_ARRAYS = {
+    "pictures": Array("u", ("B",)),
+    "ends": Array("iu", ("T",), 1),
+    "landmarks": Array("f", ("T", POINTS, 2)),
+    "rotation": Array("f", ("T", 3), -100, 100),
+    "translation": Array("f", ("T", 3), -1e6, 1e6),
+    "reference_shape": Array("f", ("2P",), -1e5, 1e5),
+    "reference_texture": Array("f", ("3U",), -1e4, 1e4),
+}
+
+
+def _check(path, recordings) -> None:
+    """Refuse recordings that do not fit each other, too many frames, and landmarks far outside the frame."""
+    frames, sizes = 0, {}
+    for arrays, attributes in recordings:
+        check_plain(path, attributes, _ATTRIBUTES)
+        found = check_arrays(path, arrays, _ARRAYS, sizes)
+        sizes = {name: found[name] for name in ("P", "U")}
+        frames += found["T"]
+        same = all(attributes[name] == recordings[0][1][name] for name in ("rate", "width", "height"))
+        if not same or arrays["pictures"].dtype != np.uint8:
+            raise DamagedFile(path, "its recordings differ in frame rate or size")
+        if (np.diff(arrays["ends"].astype(np.int64), prepend=0) <= 0).any() or arrays["ends"][-1] != found["B"]:
+            raise DamagedFile(path, "its frames overlap or are missing")
+        size = np.array([attributes["width"], attributes["height"]], np.float64)
+        if not (np.abs(arrays["landmarks"] / size - 0.5) < 2).all():
+            raise DamagedFile(path, "its landmarks lie far outside the frame")
+    if frames > MAX_FRAMES:
+        raise DamagedFile(path, f"it has {frames} frames, more than {MAX_FRAMES}")
+
+
+def jpeg_size(data: bytes) -> tuple[int, int] | None:
+    """Width and height in pixels from the header of a JPEG; None if there is none."""
+    at = 2
+    while data[:2] == b"\xff\xd8" and at + 9 <= len(data) and data[at] == 0xFF:
+        marker, length = data[at + 1], int.from_bytes(data[at + 2 : at + 4], "big")
+        if 0xC0 <= marker <= 0xCF and marker not in (0xC4, 0xC8, 0xCC):  # start of a frame
+            height, width = (int.from_bytes(data[at + i : at + i + 2], "big") for i in (5, 7))
+            return width, height
+        at += 2 + length
+    return None
 
 
 def write_background(path: str | Path, clips: Iterable[tuple]) -> None:
@@ -109,12 +173,12 @@ def write_background(path: str | Path, clips: Iterable[tuple]) -> None:
     Raises
     ------
     DataError
-        The recordings differ in size or rate, a recording has more or fewer frames than landmarks or poses, or there
-        is no recording.
+        The recordings differ in size or rate or have too many frames, a recording has more or fewer frames than
+        landmarks or poses, or there is no recording.
     """
     import cv2
 
-    first = None
+    first, total = None, 0
     with ArrayWriter(path) as out:
         for name, media, frames, landmarks, pose, face, rate in clips:
             coded, size = [], None
@@ -126,6 +190,9 @@ def write_background(path: str | Path, clips: Iterable[tuple]) -> None:
                 coded.append(jpeg.ravel())
             if len(coded) != len(landmarks) or len(coded) != len(pose):
                 raise DataError(f"{media} has {len(coded)} frames, {len(landmarks)} of landmarks, {len(pose)} poses.")
+            total += len(coded)
+            if total > MAX_FRAMES:
+                raise DataError(f"the background has more than {MAX_FRAMES} frames; name fewer in `speak.background`.")
             if first is None:
                 first = size, rate
             if first != (size, rate):

@@ -13,8 +13,9 @@ from pathlib import Path
 import numpy as np
 
 from visualspeech.animation.background import Background
+from visualspeech.animation.showable import BoundedModel, check_showable
 from visualspeech.animation.video import Speaker
-from visualspeech.errors import DataError, StorageError
+from visualspeech.errors import DamagedFile, DataError, StorageError
 from visualspeech.face.aam.model import Aam
 from visualspeech.face.aam.reference import Reference
 from visualspeech.face.head import HeadModel
@@ -23,10 +24,12 @@ from visualspeech.models.registry import load_model
 from visualspeech.models.task import Model
 from visualspeech.provenance import file_digest
 from visualspeech.storage.files import read_text, write_text
+from visualspeech.storage.layouts import PHONES, RATE, TEXT, Array, FileLayout, check_plain, parse_plain
 from visualspeech.storage.models import read_model_of, write_model
 
 KIND = "visualspeech speaker"
-VERSION = 2
+VERSION = 3
+REMEDY = "Build the speaker again, or ask for the folder again where it was received."
 DESCRIPTION = "speaker.json"
 PARTS = ("model", "aam", "reference", "head", "rest", "background")
 FILES = {name: f"{name}.safetensors" for name in PARTS} | {"background": "background.h5"}
@@ -64,14 +67,14 @@ class SpeakerBundle:
         Raises
         ------
         StorageError
-            The folder is not a bundle, or a part is missing.
+            The folder is not a bundle, or a part is missing or damaged.
         DataError
-            A part has been changed or replaced, or the parts do not fit each other.
+            A part has been changed or replaced, or the parts do not fit each other or show no face.
         """
         folder = Path(folder)
         about = _description(folder)
         for name in PARTS:
-            path, expected = folder / FILES[name], about["parts"].get(name)
+            path, expected = folder / FILES[name], about["parts"][name]
             if not path.is_file():
                 raise StorageError(f"the speaker {folder} lacks {path.name}. Copy the whole folder, or build it again.")
             if file_digest(path) != expected:
@@ -79,18 +82,25 @@ class SpeakerBundle:
                     f"{path} is not the file that this speaker was made of (digest {file_digest(path)}, not "
                     f"{expected}): parts of two speakers were mixed, or the file was changed. Build the speaker again."
                 )
-        trained = load_model(folder / FILES["model"])
-        speaker = Speaker.load(*(folder / FILES[name] for name in ("head", "aam", "reference")))
-        check_together(trained, speaker, about["parts"]["aam"], about["phones"])
-        rest = read_model_of(folder / FILES["rest"], "face at rest", ["rest"], ["appearance"])[0]["appearance"]
+        try:
+            trained = load_model(folder / FILES["model"])
+            speaker = Speaker.load(*(folder / FILES[name] for name in ("head", "aam", "reference")))
+            rest = _rest(folder / FILES["rest"])
+            background = Background.load(folder / FILES["background"])
+        except DamagedFile as error:
+            raise DamagedFile(error.path, error.reason, REMEDY) from error
+        try:
+            check_together(trained, speaker, about["parts"]["aam"], about["phones"])
+        except DataError as error:
+            raise DataError(f"the parts of the speaker {folder} do not fit each other: {error}") from error
         if rest.shape != (trained.outputs,):
             raise DataError(f"{folder / FILES['rest']} is a face of another appearance model. Build the speaker again.")
-        background, aam = Background.load(folder / FILES["background"]), speaker.aam
         sizes = background.shapes.shape[1], background.textures.shape[1]
-        if sizes != (len(aam.shape_mean), len(aam.texture_mean)):
+        if sizes != (len(speaker.aam.shape_mean), len(speaker.aam.texture_mean)):
             raise DataError(f"{folder / FILES['background']} is of another appearance model. Build the speaker again.")
+        check_showable(folder, speaker, background, rest)
         return cls(
-            trained=trained,
+            trained=BoundedModel(trained, speaker, str(folder / FILES["model"])),
             speaker=speaker,
             background=background,
             rest=rest,
@@ -170,6 +180,11 @@ def describe_bundle(
     write_text(folder / DESCRIPTION, json.dumps(about, indent=1, sort_keys=True) + "\n")
 
 
+def _rest(path: Path) -> np.ndarray:
+    layout = FileLayout({"appearance": Array("f", ("N",), -1e9, 1e9)})
+    return read_model_of(path, "face at rest", ["rest"], layout)[0]["appearance"]
+
+
 def _description(folder: Path) -> dict:
     path = folder / DESCRIPTION
     if not path.is_file():
@@ -178,31 +193,46 @@ def _description(folder: Path) -> dict:
             "`speaker`, results/<corpus>/<system>/speakers/<model>."
         )
     try:
-        about = json.loads(read_text(path))
-    except ValueError as error:
-        raise StorageError(f"{path} is damaged ({error}). Build the speaker again.") from error
-    if not isinstance(about, dict) or about.get("kind") != KIND or not _is_complete(about):
-        raise StorageError(f"{path} does not describe a speaker of this project. Build the speaker again.")
-    if about.get("version") != VERSION:
-        raise StorageError(
-            f"{folder} is a speaker of version {about.get('version')}, but this program reads version {VERSION}. Build "
-            "the speaker again."
-        )
+        about = parse_plain(read_text(path))
+        known = isinstance(about, dict) and about.get("kind") == KIND
+        if known and about.get("version") != VERSION:
+            version = str(about.get("version"))[:20]
+            raise StorageError(
+                f"{folder} is a speaker of version {version}, but this program reads version {VERSION}. {REMEDY}"
+            )
+        if not known:
+            raise DamagedFile(path, "it does not describe a speaker of this project")
+        check_plain(path, about, _SCHEMA)
+    except DamagedFile as error:
+        raise DamagedFile(path, error.reason, REMEDY) from error
+    except (ValueError, RecursionError) as error:
+        raise DamagedFile(path, f"it is no JSON ({error})", REMEDY) from error
     return about
 
 
-def _is_complete(about: dict) -> bool:
-    """Whether a description has all keys that are read, with values of the right types."""
-
-    def is_share(values) -> bool:
-        return isinstance(values, list) and len(values) == 3 and all(isinstance(one, int | float) for one in values)
-
-    parts, phones, shares = (about.get(key) for key in ("parts", "phones", "state_shares"))
-    return (
-        all(isinstance(about.get(key), str) for key in ("corpus", "model", "consent"))
-        and isinstance(parts, dict)
-        and isinstance(phones, list)
-        and all(isinstance(phone, str) for phone in phones)
-        and isinstance(shares, dict)
-        and all(map(is_share, shares.values()))
-    )
+_SHARE = {"type": "number", "minimum": 0, "maximum": 1}
+_PROPERTIES = {
+    "kind": {"const": KIND},
+    "version": {"const": VERSION},
+    "corpus": TEXT,
+    "model": TEXT,
+    "consent": TEXT,
+    "rate": RATE,
+    "phones": PHONES,
+    "state_shares": {
+        "type": "object",
+        "additionalProperties": {"type": "array", "minItems": 3, "maxItems": 3, "items": _SHARE},
+    },
+    "parts": {
+        "type": "object",
+        "required": list(PARTS),
+        "additionalProperties": False,
+        "properties": dict.fromkeys(PARTS, TEXT),
+    },
+}
+_SCHEMA = {
+    "type": "object",
+    "required": list(_PROPERTIES),
+    "additionalProperties": False,
+    "properties": _PROPERTIES,
+}

@@ -14,7 +14,7 @@ from visualspeech.face.drift import reference_face
 from visualspeech.jobs import log
 from visualspeech.media.reading import read_frames
 from visualspeech.models.rest import resting_face
-from visualspeech.speech.alignment import read_alignments
+from visualspeech.speech.alignment import alignments_of
 from visualspeech.speech.spoken import state_shares
 from visualspeech.storage.files import copy_file, replacing
 
@@ -84,8 +84,7 @@ def bundle_speaker(
         for name, path in files.items():
             copy_file(path, made / FILES[name])
         write_background(made / FILES["background"], _clips(shown, faces))
-        ids = {one.id for one in training}
-        aligned = {name: found for path in alignments for name, found in read_alignments(path, ids).items()}
+        aligned = alignments_of(alignments, [one.id for one in training])
         arrays = faces.parameters
         rest = resting_face(
             lambda: ((found, arrays.array(name, "appearance"), arrays.rate(name)) for name, found in aligned.items())

@@ -328,5 +328,5 @@ def read_digests(paths: Iterable) -> dict[str, str]:
     """Read the digests of several shards: id -> digest."""
     from visualspeech.storage.tables import read_table
 
-    tables = [read_table(path, ("id", "digest")) for path in paths]
+    tables = [read_table(path, ("id", "digest"), required=("id", "digest")) for path in paths]
     return {name: digest for table in tables for name, digest in zip(table["id"], table["digest"], strict=True)}

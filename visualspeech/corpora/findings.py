@@ -48,7 +48,8 @@ def write_findings(path, findings: Iterable[Finding]) -> None:
 def read_findings(*paths) -> list[Finding]:
     """The findings of several tables, in their order."""
     names = tuple(field.name for field in fields(Finding))
-    return [Finding(*row) for path in paths for row in read_table(path, names)[list(names)].itertuples(index=False)]
+    tables = (read_table(path, names, required=names)[list(names)] for path in paths)
+    return [Finding(*row) for table in tables for row in table.itertuples(index=False)]
 
 
 def rejected_ids(findings: Iterable[Finding]) -> set[str]:

@@ -13,7 +13,7 @@ OF_PROBLEM = ("problem", "remedy")
 
 def read_utterances(path) -> list[Utterance]:
     """The utterances of a table, in its order; columns that are not fields of :class:`Utterance` are ignored."""
-    table = read_table(path, TEXT)
+    table = read_table(path, TEXT, ("start", "end"), TEXT[:4])
     known = [field.name for field in fields(Utterance) if field.name in table.columns]
     return [Utterance(**row) for row in table[known].to_dict("records")]
 
@@ -37,7 +37,7 @@ def write_split(path, split: Mapping[str, str]) -> None:
 
 def read_split(path) -> dict[str, str]:
     """Split of each utterance: id -> train, validation or test."""
-    table = read_table(path, ("id", "split"))
+    table = read_table(path, ("id", "split"), required=("id", "split"))
     return dict(zip(table["id"], table["split"], strict=True))
 
 

@@ -20,7 +20,7 @@ from visualspeech.face.aam.modes import mode_pictures
 from visualspeech.face.aam.reference import Reference
 from visualspeech.models.rows import ModelRow
 from visualspeech.provenance import command, commit
-from visualspeech.speech.alignment import read_alignments
+from visualspeech.speech.alignment import alignments_of
 from visualspeech.storage.arrays import ArrayCollection, ArrayReader
 from visualspeech.storage.files import read_text
 from visualspeech.storage.tables import read_table
@@ -89,8 +89,7 @@ def trajectory_pictures(
     utterances: Sequence[Utterance], targets: ArrayCollection, predictions: str, model: str, alignments: Sequence[str]
 ) -> tuple[Picture, ...]:
     """Figures of the predicted and true appearance parameters, one per utterance."""
-    ids = [one.id for one in utterances]
-    aligned = {name: found for path in alignments for name, found in read_alignments(path, ids).items()}
+    aligned = alignments_of(alignments, [one.id for one in utterances])
     pictures = []
     with ArrayReader(predictions) as predicted:
         for one in utterances:

@@ -10,9 +10,10 @@ from typing import NamedTuple, Protocol
 
 import numpy as np
 
-from visualspeech.errors import StorageError
+from visualspeech.errors import DamagedFile
 from visualspeech.face.drift import FaceReference, Faces
 from visualspeech.face.point_sets import PointSet
+from visualspeech.storage.layouts import TEXT, check_plain
 from visualspeech.storage.models import read_model_settings
 
 
@@ -77,9 +78,19 @@ def read_coding_header(path: str | Path) -> CodingHeader:
         The file is missing, or no visual coding.
     """
     stored = read_model_settings(path)
-    if not {"kind", "points", "sizes"} <= set(stored):
-        raise StorageError(f"{path} holds no visual coding. Give the model file that a run has written for it.")
+    check_plain(path, stored, _HEADER)
     return CodingHeader(stored["kind"], stored["points"], stored["sizes"])
+
+
+_HEADER = {
+    "type": "object",
+    "required": ["kind", "points", "sizes"],
+    "properties": {
+        "kind": TEXT,
+        "points": TEXT,
+        "sizes": {"type": "object", "additionalProperties": {"type": "integer", "minimum": 1}},
+    },
+}
 
 
 def load_coding(path: str | Path) -> VisualCoding:
@@ -95,5 +106,5 @@ def load_coding(path: str | Path) -> VisualCoding:
     kinds = {"aam": Aam}
     kind = read_coding_header(path).kind
     if kind not in kinds:
-        raise StorageError(f"{path} is a visual coding of the unknown kind {kind!r}; known are {', '.join(kinds)}.")
+        raise DamagedFile(path, f"it is a visual coding of the unknown kind {kind!r:.40}; known are {', '.join(kinds)}")
     return kinds[kind].load(path)

@@ -11,11 +11,12 @@ from pathlib import Path
 
 import numpy as np
 
-from visualspeech.errors import DataError
+from visualspeech.errors import DamagedFile, DataError
 from visualspeech.face.camera import point_jacobian, rotation_matrices, solve_pose
 from visualspeech.face.mean_face import MEAN_FACE
 from visualspeech.face.tracker import POINTS, RIGID
 from visualspeech.fields import Settings, restored, setting
+from visualspeech.storage.layouts import Array, FileLayout
 from visualspeech.storage.models import read_model_of, write_model
 
 
@@ -123,9 +124,34 @@ class HeadModel:
     @classmethod
     def load(cls, path) -> "HeadModel":
         """Read what :meth:`save` wrote; raises as :func:`visualspeech.storage.models.read_model_of`."""
-        tensors, stored = read_model_of(path, "head model", ["head"])
-        settings = restored(PoseSettings, stored["settings"], path)
-        return cls(**tensors, focal=float(stored["focal"]), size=tuple(stored["size"]), settings=settings)
+        tensors, stored = read_model_of(path, "head model", ["head"], LAYOUT)
+        settings, size = restored(PoseSettings, stored["settings"], path), tuple(map(int, stored["size"]))
+        head = cls(**tensors, focal=float(stored["focal"]), size=size, settings=settings)
+        # The head fills the normalised image; far outside of it there is nothing to render.
+        if not (np.abs(head.mean_points / size - 0.5) < 5).all():
+            raise DamagedFile(path, "its points lie far outside the normalised image")
+        return head
+
+
+LAYOUT = FileLayout(
+    {
+        "points3d": Array("f", (POINTS, 3), -1e5, 1e5),
+        "rigid": Array("iu", ("R",), 0, POINTS - 1),
+        "weights": Array("f", ("R",), 0, 1e6),
+        "centre": Array("f", (2,), -1e5, 1e5),
+        "offset": Array("f", (2,), -1e5, 1e5),
+    },
+    {
+        "focal": {"type": "number", "minimum": 1, "maximum": 1e7},
+        "size": {
+            "type": "array",
+            "minItems": 2,
+            "maxItems": 2,
+            "items": {"type": "integer", "minimum": 2, "maximum": 20_000},
+        },
+        "settings": {"type": "object"},
+    },
+)
 
 
 def load_heads(speakers: Sequence[str], paths: Sequence[str | Path]) -> dict[str, HeadModel]:

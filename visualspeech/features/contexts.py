@@ -25,7 +25,7 @@ def write_phones(path, phones: Sequence[str]) -> None:
 
 def read_phones(path) -> list[str]:
     """The inventory of a table with the column ``phone``, in its order."""
-    return read_table(path, ("phone",))["phone"].tolist()
+    return read_table(path, ("phone",), required=("phone",))["phone"].tolist()
 
 
 def phone_contexts(alignment: Alignment, phones: Sequence[str], before: int = 1, after: int = 1) -> np.ndarray:

@@ -1,10 +1,13 @@
 """The input blocks of a model inside the model's file, so that it can read new speech by itself."""
 
 from collections.abc import Mapping
+from pathlib import Path
 
 import numpy as np
 
+from visualspeech.errors import DamagedFile
 from visualspeech.features.blocks.base import Block, load_block, restore
+from visualspeech.storage.layouts import TEXT, Array
 from visualspeech.storage.models import part_of
 
 
@@ -24,8 +27,22 @@ def pack(blocks: Mapping[str, Block]) -> tuple[dict[str, np.ndarray], list[dict]
     return arrays, plain
 
 
-def unpack(arrays: Mapping[str, np.ndarray], plain: list[dict]) -> dict[str, Block]:
-    """The inverse of :func:`pack`.
+#: What :func:`pack` gives, as a part of a model's layout: its arrays, and the schema of its plain data.
+BLOCK_ARRAYS = {"blocks.*": Array("fiub", None)}
+BLOCKS = {
+    "type": "array",
+    "maxItems": 100,
+    "items": {
+        "type": "object",
+        "required": ["name", "kind", "state"],
+        "additionalProperties": False,
+        "properties": {"name": TEXT, "kind": TEXT, "state": {"type": "object"}},
+    },
+}
+
+
+def unpack(arrays: Mapping[str, np.ndarray], plain: list[dict], path: str | Path = "") -> dict[str, Block]:
+    """The inverse of :func:`pack`, for the content of the file ``path`` that fits :data:`BLOCKS`.
 
     Raises
     ------
@@ -33,7 +50,11 @@ def unpack(arrays: Mapping[str, np.ndarray], plain: list[dict]) -> dict[str, Blo
         A block is of an unknown kind or damaged.
     """
     own = part_of(arrays, "blocks")
+    if len({entry["name"] for entry in plain}) < len(plain) or any(
+        name.partition(".")[0] not in map(str, range(len(plain))) for name in own
+    ):
+        raise DamagedFile(path, "its input blocks and their arrays do not fit each other")
     return {
-        entry["name"]: restore(entry["kind"], part_of(own, str(number)), entry["state"])
+        entry["name"]: restore(entry["kind"], part_of(own, str(number)), entry["state"], path)
         for number, entry in enumerate(plain)
     }

@@ -1,5 +1,6 @@
 """The state of an interrupted training in one safetensors file."""
 
+import math
 from pathlib import Path
 
 import numpy as np
@@ -63,7 +64,7 @@ def read_checkpoint(path: str | Path, identity: str, state) -> bool:
     state.optimiser.load_state_dict({"state": moments, "param_groups": groups})
     for group in state.optimiser.param_groups:
         group["lr"] = settings["learning_rate"]
-    state.best_error = settings["best_error"]
+    state.best_error = math.inf if settings["best_error"] is None else settings["best_error"]
     state.best_epoch = settings["best_epoch"]
     state.since_decay = settings["since_decay"]
     state.updates = settings["updates"]

@@ -6,13 +6,15 @@ from pathlib import Path
 
 import numpy as np
 
-from visualspeech.errors import DataError
+from visualspeech.errors import DamagedFile, DataError
 from visualspeech.features.blocks.base import Block
 from visualspeech.features.examples import Example
 from visualspeech.features.streams import Stream
-from visualspeech.models.block_states import pack, unpack
+from visualspeech.fields import restored
+from visualspeech.models.block_states import BLOCK_ARRAYS, BLOCKS, pack, unpack
 from visualspeech.models.lookup_settings import LookupSettings
 from visualspeech.models.task import Fitted, Task, check_examples, check_streams
+from visualspeech.storage.layouts import RATE, TEXT, Array, FileLayout, check_arrays
 from visualspeech.storage.models import part_of, read_model_of, write_model
 
 FAMILY = "lookup"
@@ -173,16 +175,57 @@ def fit_lookup(
 
 def load(path: str | Path) -> Lookup:
     """Read a saved look-up; raises as :func:`visualspeech.storage.models.read_model_of`."""
-    arrays, settings = read_model_of(path, "look-up of means", ["model"], ["mean"], FAMILY)
-    return Lookup(
-        LookupSettings(**settings["settings"]),
-        tuple(settings["sizes"]),
+    arrays, settings = read_model_of(path, "look-up of means", ["model"], LAYOUT, FAMILY)
+    made = Lookup(
+        restored(LookupSettings, settings["settings"], path),
+        tuple(map(int, settings["sizes"])),
         arrays["mean"],
         *(part_of(arrays, part) for part in ("codes", "means", "counts")),
-        unpack(arrays, settings["blocks"]),
+        unpack(arrays, settings["blocks"], path),
         settings["rate"],
         settings["coding"],
     )
+    _check_tables(path, made)
+    return made
+
+
+_SIZES = {
+    "type": "array",
+    "minItems": 4,
+    "maxItems": 4,
+    "items": {"type": "integer", "minimum": 1, "maximum": 10_000},
+}
+LAYOUT = FileLayout(
+    {
+        "mean": Array("f", ("N",)),
+        "codes.*": Array("iu", None, 0, 1e18),
+        "means.*": Array("f", None),
+        "counts.*": Array("iu", None, 1, 1e18),
+        **BLOCK_ARRAYS,
+    },
+    {"settings": {"type": "object"}, "sizes": _SIZES, "blocks": BLOCKS, "rate": RATE, "coding": TEXT},
+)
+
+
+def _check_tables(path, made: Lookup) -> None:
+    """Refuse tables of means that do not fit each other, the contexts or the block."""
+    contexts = ("phone",) if made.settings.context == "phone" else tuple(_COLUMNS)
+    for part in (made.codes, made.means, made.counts):
+        if set(part) != set(contexts):
+            raise DamagedFile(path, f"it has tables of means for the contexts {', '.join(sorted(part))}")
+    for context in contexts:
+        most = np.prod([made.sizes[column] for column in _COLUMNS[context]], dtype=np.float64) - 1
+        tables = {"codes": made.codes[context], "means": made.means[context], "counts": made.counts[context]}
+        layout = {
+            "codes": Array("iu", ("M",), 0, most),
+            "means": Array("f", ("M", "N")),
+            "counts": Array("iu", ("M",), 1, 1e18),
+        }
+        check_arrays(path, tables, layout, {"N": made.outputs})
+        if (np.diff(tables["codes"].astype(np.int64)) <= 0).any():
+            raise DamagedFile(path, f"its means for the context {context} are not sorted")
+    if [block.layout.sizes for block in made.blocks.values()] != [made.sizes]:
+        raise DamagedFile(path, "its classes are not those of its input block")
 
 
 def _sorted(table: dict[int, np.ndarray]) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

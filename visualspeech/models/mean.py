@@ -8,8 +8,9 @@ import numpy as np
 
 from visualspeech.features.blocks.base import Block
 from visualspeech.features.streams import Stream
-from visualspeech.models.block_states import pack, unpack
+from visualspeech.models.block_states import BLOCK_ARRAYS, BLOCKS, pack, unpack
 from visualspeech.models.task import Fitted, Task, check_examples
+from visualspeech.storage.layouts import RATE, TEXT, Array, FileLayout
 from visualspeech.storage.models import read_model_of, write_model
 
 FAMILY = "mean"
@@ -67,5 +68,8 @@ def fit(task: Task) -> Fitted:
 
 def load(path: str | Path) -> TrainingMean:
     """Read a saved mean; raises as :func:`visualspeech.storage.models.read_model_of`."""
-    arrays, settings = read_model_of(path, "training mean", ["model"], ["mean"], FAMILY)
-    return TrainingMean(arrays["mean"], settings["rate"], settings["coding"], unpack(arrays, settings["blocks"]))
+    arrays, settings = read_model_of(path, "training mean", ["model"], LAYOUT, FAMILY)
+    return TrainingMean(arrays["mean"], settings["rate"], settings["coding"], unpack(arrays, settings["blocks"], path))
+
+
+LAYOUT = FileLayout({"mean": Array("f", ("N",)), **BLOCK_ARRAYS}, {"blocks": BLOCKS, "rate": RATE, "coding": TEXT})

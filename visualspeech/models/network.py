@@ -7,13 +7,14 @@ from pathlib import Path
 import numpy as np
 import torch
 
-from visualspeech.errors import SettingError, StorageError
+from visualspeech.errors import DamagedFile, SettingError
 from visualspeech.features.blocks.base import Block
 from visualspeech.features.streams import Layout, Stream, joined
 from visualspeech.models.batches import Batch, Scaling
-from visualspeech.models.block_states import pack, unpack
+from visualspeech.models.block_states import BLOCK_ARRAYS, BLOCKS, pack, unpack
 from visualspeech.models.task import check_streams
 from visualspeech.models.training import one_thread
+from visualspeech.storage.layouts import RATE, TEXT, Array, FileLayout
 from visualspeech.storage.models import part_of, read_model_of, write_model
 
 
@@ -81,7 +82,10 @@ class Network:
 
 
 def load_network(
-    path: str | Path, family: str, build: Callable[[Mapping, list[Layout], int], torch.nn.Module]
+    path: str | Path,
+    family: str,
+    build: Callable[[Mapping, list[Layout], int], torch.nn.Module],
+    shapes: Callable[[Mapping, list[Layout], int], Mapping[str, tuple[int, ...]]],
 ) -> Network:
     """Read what :meth:`Network.save` wrote.
 
@@ -89,6 +93,7 @@ def load_network(
     ----------
     family : that it must be of
     build : (settings, layouts of the blocks, outputs) -> module without its weights
+    shapes : of the same -> shape of each weight of that module by name, found without making it
 
     Raises
     ------
@@ -96,16 +101,25 @@ def load_network(
         As :func:`visualspeech.storage.models.read_model_of`, it is of another family, or its weights do not fit its
         settings.
     """
-    arrays, settings = read_model_of(path, f"model of the family {family}", ["model"], ["mean", "scale"], family)
-    blocks = unpack(arrays, settings["blocks"])
+    arrays, settings = read_model_of(path, f"model of the family {family}", ["model"], LAYOUT, family)
+    blocks = unpack(arrays, settings["blocks"], path)
     weights = {name: torch.tensor(values) for name, values in part_of(arrays, "weights").items()}
+    made = settings["settings"], [block.layout for block in blocks.values()], len(arrays["mean"])
     try:
-        module = build(settings["settings"], [block.layout for block in blocks.values()], len(arrays["mean"]))
+        if not blocks:
+            raise ValueError("there is no input block")
+        wanted, found = shapes(*made), {name: tuple(values.shape) for name, values in weights.items()}
+        # Before the module is made: settings could ask for one that no memory holds.
+        if wanted != found or any(values.dtype != torch.float32 for values in weights.values()):
+            differ = sorted(name for name in {*wanted, *found} if wanted.get(name) != found.get(name))
+            raise ValueError(f"of the weights, {', '.join(differ[:3]) or 'the types'} differ")
+        module = build(*made)
         module.load_state_dict(weights)
-    except (RuntimeError, TypeError, SettingError) as error:
-        raise StorageError(
-            f"the weights in {path} do not fit its settings; another version of this library wrote it, or it is "
-            "damaged. Train the model again."
+    except (RuntimeError, TypeError, ValueError, SettingError) as error:
+        raise DamagedFile(
+            path,
+            "its weights do not fit its settings; another version of this library wrote it, or it is damaged "
+            f"({error})",
         ) from error
     return Network(
         family=family,
@@ -117,3 +131,20 @@ def load_network(
         coding=settings["coding"],
         about=settings["about"],
     )
+
+
+LAYOUT = FileLayout(
+    {
+        "mean": Array("f", ("N",), -1e9, 1e9),
+        "scale": Array("f", ("N",), -1e9, 1e9),
+        "weights.*": Array("f", None, -1e9, 1e9),
+        **BLOCK_ARRAYS,
+    },
+    {
+        "settings": {"type": "object"},
+        "blocks": BLOCKS,
+        "rate": RATE,
+        "coding": TEXT,
+        "about": {"type": "object"},
+    },
+)

@@ -12,13 +12,13 @@ from itertools import chain, product
 from pathlib import Path
 from types import MappingProxyType
 
-from visualspeech.errors import SettingError, StorageError
+from visualspeech.errors import DamagedFile, SettingError
 from visualspeech.fields import MAX_SEED, FieldError, section_schema, with_defaults
 from visualspeech.models.rows import ModelRow
 from visualspeech.models.training_settings import TrainingSettings, training_settings
 from visualspeech.schema import mistakes, settings_class, unknown
 from visualspeech.settings import merged as laid_over
-from visualspeech.storage.models import read_model_of
+from visualspeech.storage.models import read_model_settings
 
 
 @dataclass(frozen=True)
@@ -384,15 +384,11 @@ def _training(given: Mapping) -> dict:
 
 
 def load_model(path: str | Path):
-    """Read a trained model of any family.
-
-    Raises
-    ------
-    StorageError
-        It is no model of this project.
-    """
-    _, settings = read_model_of(path, "trained model", ["model"])
-    family = FAMILIES.get(settings.get("family"))
-    if family is None or not family.module:
-        raise StorageError(f"{path} is a model of the unknown family {settings.get('family')!r}.")
-    return import_module(family.module).load(path)
+    """Read a trained model of any family; raises :class:`StorageError` where the file holds none."""
+    settings = read_model_settings(path)
+    if settings.get("kind") != "model":
+        raise DamagedFile(path, "it holds no trained model")
+    name = settings.get("family")
+    if name not in [known for known, family in FAMILIES.items() if family.module]:
+        raise DamagedFile(path, f"it is a model of the unknown family {name!r:.40}")
+    return import_module(FAMILIES[name].module).load(path)

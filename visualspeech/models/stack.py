@@ -1,6 +1,6 @@
 """Stacks of feed-forward (F) and bidirectional LSTM (B) layers, named by their letters: FBB, BFF, ... (Fan 2015, 4)."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict
 from itertools import accumulate
 from pathlib import Path
@@ -122,4 +122,26 @@ def fit(task: Task) -> Fitted:
 def load(path: str | Path) -> Network:
     """Read a saved stack; raises as :func:`visualspeech.models.network.load_network`."""
     return load_network(path, FAMILY, lambda settings, layouts, outputs: Stack(
-        StackSettings(**settings), layouts, outputs))  # fmt: skip
+        StackSettings(**settings), layouts, outputs), weight_shapes)  # fmt: skip
+
+
+def weight_shapes(settings: Mapping, layouts: Sequence[Layout], outputs: int) -> dict[str, tuple[int, ...]]:
+    """Shape of each weight of a :class:`Stack` by name, without making one.
+
+    Raises
+    ------
+    SettingError, TypeError
+        The settings are none of a stack.
+    """
+    made, width, shapes = StackSettings(**settings), sum(layout.width for layout in layouts), {}
+    for number, letter in enumerate(made.letters):
+        if letter == "F":
+            shapes |= {f"layers.{number}.weight": (made.nodes, width), f"layers.{number}.bias": (made.nodes,)}
+            width = made.nodes
+            continue
+        gates = 4 * made.direction_nodes
+        own = {"weight_ih": (gates, width), "weight_hh": (gates, made.direction_nodes), "bias_ih": (gates,)}
+        for name, shape in {**own, "bias_hh": (gates,)}.items():
+            shapes |= {f"layers.{number}.{name}_l0{direction}": shape for direction in ("", "_reverse")}
+        width = 2 * made.direction_nodes
+    return shapes | {"output.weight": (outputs, width), "output.bias": (outputs,)}

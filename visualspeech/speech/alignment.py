@@ -1,12 +1,12 @@
 """The alignment of an utterance: which word, phone and HMM state is spoken when; and its table files."""
 
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 
-from visualspeech.errors import StorageError
+from visualspeech.errors import DamagedFile
 from visualspeech.speech.phones import SILENCE, STATES
 from visualspeech.storage.tables import read_table
 from visualspeech.timing import frame_times, interval_of_frame
@@ -88,7 +88,18 @@ def to_table(alignments: Mapping[str, Alignment]):
     return pandas.DataFrame(rows, columns=list(COLUMNS))
 
 
-def read_alignments(path: str | Path, ids: Collection[str] | None = None) -> dict[str, Alignment]:
+class Alignments(dict):
+    """Alignments of one file by utterance; asking for one that it does not hold raises :class:`StorageError`."""
+
+    def __init__(self, path: str | Path, found: Mapping[str, Alignment]) -> None:
+        super().__init__(found)
+        self.path = path
+
+    def __missing__(self, utterance_id: str):
+        raise _unreadable(self.path, f"utterance {utterance_id} is missing")
+
+
+def read_alignments(path: str | Path, ids: Collection[str] | None = None) -> Alignments:
     """Alignments in a table file by utterance, in the order of the file.
 
     Parameters
@@ -99,17 +110,14 @@ def read_alignments(path: str | Path, ids: Collection[str] | None = None) -> dic
     Raises
     ------
     StorageError
-        The file is missing, or holds a row that is no part of an alignment; the message names the file and the line.
+        The file is missing, or holds a row that is no part of an alignment, of whatever utterance; the message names
+        the file and the line.
     """
     import pandas
 
-    table = read_table(path, ("id", "tier", "label"))
-    if missing := [name for name in COLUMNS if name not in table.columns]:
-        raise _unreadable(path, f"it has no column {', '.join(missing)}")
+    table = read_table(path, ("id", "tier", "label"), _NUMBERS, COLUMNS)
     table = table.assign(line=np.arange(2, len(table) + 2))  # line 1 holds the names of the columns
-    if ids is not None:
-        table = table[table["id"].isin(list(ids))]
-    table = table.assign(**{name: pandas.to_numeric(table[name], errors="coerce") for name in _NUMBERS})
+    # A row with a damaged id is of no wanted utterance, so all rows are checked before some are chosen.
     owners, names = pandas.factorize(table["id"])
     tiers = table["tier"].map({tier: number for number, tier in enumerate(TIERS)}).fillna(-1).to_numpy(int)
     order = np.lexsort((table["index"].to_numpy(float), tiers, owners))
@@ -121,14 +129,26 @@ def read_alignments(path: str | Path, ids: Collection[str] | None = None) -> dic
         raise _unreadable(path, f"utterance {names[owner]} has no segment of the tier {TIERS[tier]}")
     ends = np.cumsum(counts)
     _check_structure(path, table, group, counts, ends - counts)
+    _check_ends(path, table, ends, names)
     parents = table["parent"].astype(int)
     columns = (table["label"], table["start"].astype(float), table["end"].astype(float), parents)
-    segments = [Segment(*row) for row in zip(*(column.tolist() for column in columns), strict=True)]
-    tier_of = [tuple(segments[end - count : end]) for count, end in zip(counts.tolist(), ends.tolist(), strict=True)]
-    return {
-        str(name): Alignment(*tier_of[len(TIERS) * number : len(TIERS) * (number + 1)])
-        for number, name in enumerate(names)
-    }
+    rows = list(zip(*(column.tolist() for column in columns), strict=True))
+    found = {}
+    for number, name in enumerate(names):
+        if ids is None or name in ids:
+            tiers = range(len(TIERS) * number, len(TIERS) * (number + 1))
+            segments = (tuple(Segment(*row) for row in rows[ends[tier] - counts[tier] : ends[tier]]) for tier in tiers)
+            found[str(name)] = Alignment(*segments)
+    return Alignments(path, found)
+
+
+def alignments_of(paths: Iterable[str | Path], ids: Iterable[str]) -> dict[str, Alignment]:
+    """Alignments of some utterances from several files; raises as :func:`read_alignments`, or where one is missing."""
+    wanted, paths = set(ids), list(paths)
+    found = {name: one for path in paths for name, one in read_alignments(path, wanted).items()}
+    for name in sorted(wanted - set(found))[:1]:
+        raise _unreadable(", ".join(map(str, paths)), f"utterance {name} is missing")
+    return found
 
 
 def _check_values(path, table) -> None:
@@ -164,13 +184,18 @@ def _check_structure(path, table, group: np.ndarray, counts: np.ndarray, firsts:
     _refuse(path, table, apart, "the segment does not start where the one before it ends")
 
 
+def _check_ends(path, table, ends: np.ndarray, names) -> None:
+    """Refuse utterances whose tiers end at different times: the last rows of one of them are missing."""
+    last = table["end"].to_numpy(float)[ends - 1].reshape(-1, len(TIERS))
+    for number in np.flatnonzero(np.ptp(last, axis=1) > _TOLERANCE)[:1]:
+        raise _unreadable(path, f"the tiers of utterance {names[number]} end at different times; rows are missing")
+
+
 def _refuse(path, table, bad: np.ndarray, reason: str) -> None:
     for at in np.flatnonzero(bad)[:1]:
         row = table.iloc[at]
         raise _unreadable(path, f"line {row['line']} (utterance {row['id']}, tier {row['tier']}): {reason}")
 
 
-def _unreadable(path, reason: str) -> StorageError:
-    return StorageError(
-        f"cannot read the alignments in {path}: {reason}. Delete the file and run again to recreate it."
-    )
+def _unreadable(path, reason: str) -> DamagedFile:
+    return DamagedFile(path, f"it holds no alignments: {reason}")

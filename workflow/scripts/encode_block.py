@@ -11,6 +11,6 @@ with (
     ArrayWriter(snakemake.output[0]) as out,
 ):
     block = load_block(source.block)
-    sources = read_sources(source.alignment, targets, targets.ids)
+    sources = read_sources(source.alignment, targets, targets.ids, complete=True)
     for name, stream in zip(sources, block.encode(list(sources.values())), strict=True):
         out.add(name, stream.arrays(), targets.rate(name))

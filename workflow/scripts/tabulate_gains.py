@@ -12,12 +12,12 @@ from visualspeech.evaluation.tables import TableSettings
 from visualspeech.jobs import job
 from visualspeech.storage.files import write_text
 from visualspeech.storage.models import read_shapes
-from visualspeech.storage.tables import read_table
+from visualspeech.storage.tables import read_numbers
 
 source, params = snakemake.input, snakemake.params
 with job(snakemake.log[0]):
-    measured = MeasuredRows.of(params.rows, [read_table(path) for path in source.statistics])
-    curves = {name: read_table(path) for name, path in zip(params.candidates, source.curves, strict=True)}
+    measured = MeasuredRows.of(params.rows, [read_numbers(path) for path in source.statistics])
+    curves = {name: read_numbers(path) for name, path in zip(params.candidates, source.curves, strict=True)}
     best = best_cell(measured.rows, curves)
     measured = rows_of_gains(measured, best, params.references)
     facts = TableFacts.of(params.facts, read_split(source.utterances), read_shapes(source.coding), measured)

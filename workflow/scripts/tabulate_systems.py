@@ -9,13 +9,13 @@ from visualspeech.evaluation.statistics import BootstrapSettings
 from visualspeech.jobs import job
 from visualspeech.storage.files import write_text
 from visualspeech.storage.models import read_shapes
-from visualspeech.storage.tables import read_table
+from visualspeech.storage.tables import read_numbers
 
 source, params = snakemake.input, snakemake.params
 with job(snakemake.log[0]):
     split, systems = read_split(source.utterances), []
     for given in params.systems:
-        measured = MeasuredRows.of(given["rows"], [read_table(path) for path in given["statistics"]])
+        measured = MeasuredRows.of(given["rows"], [read_numbers(path) for path in given["statistics"]])
         facts = TableFacts.of(given["facts"], split, read_shapes(given["coding"]), measured)
         systems.append(SystemRows(given["title"], facts, measured))
     bootstrap = BootstrapSettings(**params.bootstrap, seed=params.seed)

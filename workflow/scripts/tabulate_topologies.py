@@ -10,11 +10,11 @@ from visualspeech.evaluation.topologies import topology_frame, topology_tables
 from visualspeech.jobs import job
 from visualspeech.storage.files import write_text
 from visualspeech.storage.models import read_shapes
-from visualspeech.storage.tables import read_table
+from visualspeech.storage.tables import read_numbers
 
 source, params = snakemake.input, snakemake.params
 with job(snakemake.log[0]):
-    measured = MeasuredRows.of(params.rows, [read_table(path) for path in source.statistics])
+    measured = MeasuredRows.of(params.rows, [read_numbers(path) for path in source.statistics])
     facts = TableFacts.of(params.facts, read_split(source.utterances), read_shapes(source.coding), measured)
     settings, paper = TableSettings(**params.settings), published(params.published)
     frame = topology_frame(measured, shared_metrics(paper, settings.metrics), paper)

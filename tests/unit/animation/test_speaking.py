@@ -18,9 +18,11 @@ from visualspeech.features.resampling import resample
 from visualspeech.media.reading import probe, read_audio, read_frames
 from visualspeech.media.spooling import Spool
 from visualspeech.models.inventory import phones_of
+from visualspeech.provenance import file_digest
 from visualspeech.speech.phones import PHONES
 from visualspeech.speech.spoken import Spoken, speak_text, timed
 from visualspeech.speech.spoken_settings import VoiceSettings
+from visualspeech.storage.models import read_model, write_model
 
 
 @pytest.fixture(scope="module")
@@ -64,14 +66,14 @@ def test_folders_that_are_no_speaker(copy, tmp_path):
         SpeakerBundle.load(tmp_path)
     about = json.loads((copy / "speaker.json").read_text())
     for text, said in [
-        ("{", "damaged"),
+        ("{", "speaker.json: it is no JSON"),
         ("{}", "does not describe"),
         (json.dumps([about]), "does not describe"),
-        (json.dumps(about | {"parts": ["model"]}), "does not describe"),
-        (json.dumps(about | {"phones": 40}), "does not describe"),
-        (json.dumps(about | {"phones": [1, *about["phones"]]}), "does not describe"),
-        (json.dumps(about | {"state_shares": {"aa": [0.5, 0.5]}}), "does not describe"),
-        (json.dumps(about | {"consent": None}), "does not describe"),
+        (json.dumps(about | {"parts": ["model"]}), "`parts` in its settings"),
+        (json.dumps(about | {"phones": 40}), "`phones"),
+        (json.dumps(about | {"phones": [1, *about["phones"]]}), "`phones"),
+        (json.dumps(about | {"state_shares": {"aa": [0.5, 0.5]}}), "`state_shares"),
+        (json.dumps(about | {"consent": None}), "`consent"),
         (json.dumps(about | {"version": 9}), "version 9"),
     ]:
         (copy / "speaker.json").write_text(text)
@@ -86,12 +88,12 @@ def test_folders_that_are_no_speaker(copy, tmp_path):
 @pytest.mark.parametrize(
     ("part", "given", "said"),
     [
-        ("model", "aam", "model.safetensors holds no trained model"),
-        ("aam", "model", "aam.safetensors holds no appearance model"),
-        ("reference", "model", "reference.safetensors holds no texture grid"),
-        ("reference", "aam", "reference.safetensors holds no texture grid"),
-        ("head", "model", "head.safetensors holds no head model"),
-        ("rest", "model", "rest.safetensors holds no face at rest"),
+        ("model", "aam", "model.safetensors: it holds no trained model"),
+        ("aam", "model", "aam.safetensors: it holds no appearance model"),
+        ("reference", "model", "reference.safetensors: it holds no texture grid"),
+        ("reference", "aam", "reference.safetensors: it holds no texture grid"),
+        ("head", "model", "head.safetensors: it holds no head model"),
+        ("rest", "model", "rest.safetensors: it holds no face at rest"),
         ("background", "model", "cannot read .*background.h5"),
     ],
 )
@@ -103,6 +105,53 @@ def test_parts_of_another_kind_are_named(copy, part, given, said):
     (copy / "speaker.json").write_text(json.dumps(about))
     with pytest.raises(StorageError, match=said):
         SpeakerBundle.load(copy)
+
+
+def signed(folder, part, change):
+    """Change arrays and settings of a part of a speaker, with digests that fit again."""
+    arrays, settings = read_model(folder / FILES[part])
+    change(arrays, settings)
+    write_model(folder / FILES[part], arrays, settings)
+    about = json.loads((folder / "speaker.json").read_text())
+    about["parts"][part] = file_digest(folder / FILES[part])
+    (folder / "speaker.json").write_text(json.dumps(about))
+
+
+def filled(name, value):
+    return lambda arrays, settings: arrays[name].fill(value)
+
+
+@pytest.mark.parametrize(
+    ("part", "change", "said"),
+    [
+        (
+            "model",
+            filled("weights.output.bias", np.nan),
+            "model.safetensors: the array 'weights.output.bias' has",
+        ),
+        ("model", filled("mean", np.inf), "model.safetensors: the array 'mean' has a value"),
+        ("model", filled("scale", 1e30), "model.safetensors: the array 'scale' has a value"),
+        ("rest", filled("appearance", np.nan), "rest.safetensors: the array 'appearance' has a value"),
+        ("rest", filled("appearance", 1e8), "the face at rest lies far outside"),
+        ("head", filled("centre", np.nan), "head.safetensors: the array 'centre' has a value"),
+        ("head", filled("centre", 9e4), "the head in the background recordings lies far outside"),
+        ("head", lambda arrays, settings: settings.update(focal=1e308), "`focal` in its settings"),
+        ("head", lambda arrays, settings: settings.update(focal=None), "`focal` in its settings"),
+        ("reference", filled("nearest", 2**31 - 1), "reference.safetensors: .*nearest"),
+    ],
+)
+def test_numbers_that_are_no_face_are_refused(copy, part, change, said):
+    signed(copy, part, change)
+    with pytest.raises((StorageError, DataError), match=said) as error:
+        SpeakerBundle.load(copy)
+    assert str(copy) in str(error.value) and "ask for the folder again" in str(error.value)
+
+
+def test_a_prediction_that_is_no_face_is_no_video(copy):
+    signed(copy, "model", filled("scale", 1e8))
+    bundle = SpeakerBundle.load(copy)
+    with pytest.raises(StorageError, match="model.safetensors predicts what cannot be a face"):
+        perform(speak_text("Hello."), bundle.trained, bundle.rest)
 
 
 def test_a_background_of_another_appearance_model_is_refused(copy, tmp_path):

@@ -106,7 +106,7 @@ def test_phones_of_another_corpus_are_named():
 def test_states_that_are_no_states_are_a_sentence(tmp_path, state):
     path = tmp_path / "block.safetensors"
     write_model(path, {}, {"kind": "block", "block": "triphone_state", "state": state})
-    with pytest.raises(StorageError, match="no state of an input block of kind triphone_state"):
+    with pytest.raises(StorageError, match="block.safetensors: (`phones` in )?its settings"):
         load_block(path)
     write_model(path, {}, {"kind": "block", "block": "triphone", "state": state})
     with pytest.raises(StorageError, match="'triphone' is unknown"):
@@ -145,7 +145,7 @@ def test_blocks_by_name_from_their_files(tmp_path):
         save_block(tmp_path / name, block)
     assert load_blocks({name: tmp_path / name for name in blocks}) == blocks
     write_model(tmp_path / "a", {}, {"kind": "model", "family": "mean"})
-    with pytest.raises(StorageError, match="holds no input block"):
+    with pytest.raises(StorageError, match="a: it holds no input block"):
         load_blocks({"a": tmp_path / "a"})
 
 
@@ -156,6 +156,7 @@ from typing import ClassVar
 import numpy as np
 from visualspeech.features.streams import Layout, Stream
 from visualspeech.fields import Settings, setting
+from visualspeech.storage.layouts import Array, FileLayout
 
 @dataclass(frozen=True)
 class LoudnessSettings(Settings):
@@ -168,6 +169,7 @@ class Loudness:
     """One value a frame, less the mean of training."""
     kind: ClassVar[str] = "loudness"
     settings: ClassVar[type | None] = LoudnessSettings
+    stored: ClassVar[FileLayout] = FileLayout({"mean": Array("f", (1,))}, {"gain": {"type": "number"}})
     gain: float
     mean: np.ndarray = field(compare=False)
 

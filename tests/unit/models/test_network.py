@@ -58,7 +58,7 @@ def test_streams_of_other_blocks_are_refused(network):
 def test_files_that_are_no_network(tmp_path, network):
     path = tmp_path / "mean.safetensors"
     mean.fit(task("mean", training=utterances(1))).model.save(path)
-    with pytest.raises(StorageError, match="mean.safetensors holds no model of the family stack. Give"):
+    with pytest.raises(StorageError, match="mean.safetensors: it holds no model of the family stack. Give"):
         stack.load(path)
     path.write_bytes(b"no model")
     for load in (stack.load, load_model):
@@ -78,6 +78,17 @@ def test_weights_that_do_not_fit_their_settings_are_a_sentence(tmp_path, network
     arrays, settings = read_model(path)
     write_model(path, {**arrays, **change}, settings)
     with pytest.raises(StorageError, match="network.safetensors"):
+        stack.load(path)
+
+
+def test_settings_do_not_decide_how_much_memory_is_used(tmp_path, network, monkeypatch):
+    path = tmp_path / "network.safetensors"
+    network.save(path)
+    arrays, settings = read_model(path)
+    huge = {**settings["settings"], "letters": "B" * 16, "nodes": 4096}  # 10 GB of weights
+    write_model(path, arrays, {**settings, "settings": huge})
+    monkeypatch.setattr(stack, "Stack", None)
+    with pytest.raises(StorageError, match="network.safetensors: its weights do not fit its settings"):
         stack.load(path)
 
 

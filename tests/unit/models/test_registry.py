@@ -177,7 +177,7 @@ def test_files_that_are_no_model(tmp_path):
         with pytest.raises(StorageError, match=f"unknown family '{family}'"):
             load_model(path)
     write_model(path, {}, {"kind": "block"})
-    with pytest.raises(StorageError, match="model.safetensors holds no trained model"):
+    with pytest.raises(StorageError, match="model.safetensors: it holds no trained model"):
         load_model(path)
 
 
@@ -185,8 +185,9 @@ NEW_FAMILY = '''
 """The last training frame, whatever is said."""
 from dataclasses import dataclass, field
 import numpy as np
-from visualspeech.models.block_states import pack, unpack
+from visualspeech.models.block_states import BLOCK_ARRAYS, BLOCKS, pack, unpack
 from visualspeech.models.task import Fitted, check_streams
+from visualspeech.storage.layouts import Array, FileLayout
 from visualspeech.storage.models import read_model_of, write_model
 
 FAMILY = "last"
@@ -214,8 +215,10 @@ def fit(task):
     import pandas
     return Fitted(Last(task.row.settings["factor"] * task.training[-1].target[-1], task.blocks), pandas.DataFrame())
 
+LAYOUT = FileLayout({"frame": Array("f", ("N",)), **BLOCK_ARRAYS}, {"blocks": BLOCKS})
+
 def load(path):
-    arrays, settings = read_model_of(path, "last frame", ["model"], ["frame"], FAMILY)
+    arrays, settings = read_model_of(path, "last frame", ["model"], LAYOUT, FAMILY)
     return Last(arrays["frame"], unpack(arrays, settings["blocks"]))
 '''
 NEW_SETTINGS = '''

@@ -8,7 +8,7 @@ from visualspeech.features.labels import one_hot
 from visualspeech.features.streams import Layout, Stream
 from visualspeech.models.batches import Batch, Scaling, batch
 from visualspeech.models.objectives import OBJECTIVES
-from visualspeech.models.stack import Stack, dropped
+from visualspeech.models.stack import Stack, dropped, weight_shapes
 from visualspeech.models.stack_settings import MAX_LAYERS, StackSettings
 
 LABELS = BLOCKS["tri"].layout
@@ -155,3 +155,11 @@ def test_hidden_values_are_dropped_in_training_alone():
     assert not torch.equal(module(given), module(given))
     module.eval()
     assert torch.equal(module(given), module(given))
+
+
+@pytest.mark.parametrize("letters", ["F", "B", "FBB", "BFBF"])
+@pytest.mark.parametrize("b_nodes", ["direction", "layer"])
+def test_shapes_of_the_weights_are_known_without_a_network(letters, b_nodes):
+    settings, layouts = {"letters": letters, "nodes": 6, "b_nodes": b_nodes}, (LABELS, DENSE)
+    made = Stack(StackSettings(**settings), layouts, 3).state_dict()
+    assert weight_shapes(settings, layouts, 3) == {name: tuple(values.shape) for name, values in made.items()}

@@ -7,7 +7,7 @@ import pytest
 
 from tests.unit.speech.alignments import even_alignment
 from visualspeech.errors import StorageError
-from visualspeech.speech.alignment import read_alignments, silent_frames, to_table
+from visualspeech.speech.alignment import alignments_of, read_alignments, silent_frames, to_table
 from visualspeech.storage.tables import write_table
 
 ALIGNMENT = even_alignment([("sil", ["sil"]), ("null", ["n", "ah", "l"]), ("a", ["ah"]), ("sil", ["sil"])], 0.07)
@@ -54,7 +54,7 @@ def changed(tier, column, value, row=1):
     ("change", "reason"),
     [
         (changed("word", "tier", "syllable"), r"line 3 \(utterance z1, tier syllable\): the tier must be one of word"),
-        (changed("phone", "start", "early"), "line 7 .*must be numbers"),
+        (changed("phone", "start", "early"), "line 7 has 'early' in the column start, no number"),
         (changed("phone", "end", ""), "must be numbers"),
         (changed("phone", "end", "inf"), "must be numbers"),
         (changed("phone", "parent", 0.5), "whole numbers"),
@@ -77,7 +77,34 @@ def test_rows_that_do_not_fit_are_named(tmp_path, change, reason):
     path = written(tmp_path, change)
     with pytest.raises(StorageError, match=reason) as error:
         read_alignments(path)
-    assert str(path) in str(error.value) and "run again" in str(error.value)
+    assert str(path) in str(error.value) and "run the same command again" in str(error.value)
+
+
+def test_rows_are_checked_before_utterances_are_chosen(tmp_path):
+    """A row whose id is damaged belongs to no utterance that is asked for."""
+    lines = written(tmp_path).read_text().splitlines(keepends=True)
+    path = tmp_path / "damaged.tsv"
+    for at in range(1, len(lines)):
+        path.write_text("".join(["x" + line if number == at else line for number, line in enumerate(lines)]))
+        with pytest.raises(StorageError, match="damaged.tsv: "):
+            read_alignments(path, {"z1", "b"})
+
+
+def test_a_file_that_breaks_off_anywhere_is_noticed(tmp_path):
+    text = written(tmp_path).read_text()
+    path = tmp_path / "cut.tsv"
+    whole = {text.index(f"{name}\tword\t0") for name in ("007", "b")} | {text.index("\n") + 1, len(text)}
+    for end in range(1, len(text)):
+        path.write_text(text[:end])
+        if end in whole:  # between two utterances: the one that is missing is noticed where it is asked for
+            with pytest.raises(StorageError, match="cut.tsv: .*utterance b is missing"):
+                read_alignments(path)["b"]
+            with pytest.raises(StorageError, match="cut.tsv: .*utterance b is missing"):
+                alignments_of([path], ["b"])
+        else:
+            with pytest.raises(StorageError, match="cut.tsv: "):
+                read_alignments(path)
+    assert alignments_of([tmp_path / "alignment.tsv"], ["b"]) == {"b": NAMED["b"]}
 
 
 def test_missing_files_and_other_files(tmp_path):

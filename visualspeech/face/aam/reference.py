@@ -12,10 +12,11 @@ from pathlib import Path
 
 import numpy as np
 
-from visualspeech.errors import DataError
+from visualspeech.errors import DamagedFile, DataError
 from visualspeech.face.drift import DriftSettings, Faces
-from visualspeech.face.point_sets import PointSet, read_point_set, to_vector
+from visualspeech.face.point_sets import PointSet, stored_point_set, to_vector
 from visualspeech.fields import Settings, restored, setting
+from visualspeech.storage.layouts import TEXT, Array, FileLayout
 from visualspeech.storage.models import read_model_of, write_model
 
 KIND = "texture grid"
@@ -92,12 +93,40 @@ class Reference:
     @classmethod
     def load(cls, path: str | Path) -> "Reference":
         """Read what :meth:`save` wrote; raises as :func:`visualspeech.storage.models.read_model_of`."""
-        tensors, stored = read_model_of(path, KIND, [KIND], _ARRAYS)
+        tensors, stored = read_model_of(path, KIND, [KIND], LAYOUT)
         settings = restored(ReferenceSettings, stored["settings"], path)
-        return cls(read_point_set(stored["points"]), **tensors, settings=settings)
+        made = cls(stored_point_set(stored["points"], path), **tensors, settings=settings)
+        _check_grid(path, made)
+        return made
 
 
-_ARRAYS = ("mean_shape", "grid_shape", "pixels", "triangle", "barycentric", "nearest")
+_ARRAYS = {
+    "mean_shape": Array("f", ("P", 2), -1e5, 1e5),
+    "grid_shape": Array("f", ("P", 2), 0, 1e5),
+    "pixels": Array("iu", ("U", 2), 0, 1e5),
+    "triangle": Array("iu", ("U",), 0, 1e5),
+    "barycentric": Array("f", ("U", 3), -0.01, 1.01),
+    "nearest": Array("iu", ("H", "W"), 0, 1e5),
+}
+#: P points, U texture pixels, H by W pixels of the grid's bounding box.
+LAYOUT = FileLayout(_ARRAYS, {"points": TEXT, "settings": {"type": "object"}})
+_MOST_PIXELS = 32_766  # of a texture: positions that OpenCV reads at a time
+
+
+def _check_grid(path, grid: Reference) -> None:
+    """Refuse indices that point beyond the grid and its mesh, and a mesh that is folded over."""
+    points, height_width = grid.points, grid.nearest.shape
+    if len(grid.grid_shape) != points.size:
+        raise DamagedFile(path, f"it has {len(grid.grid_shape)} points, the point set {points.name} {points.size}")
+    inside = (
+        grid.size <= _MOST_PIXELS
+        and (grid.pixels < height_width).all()
+        and grid.triangle.max() < len(points.triangles)
+        and grid.nearest.max() < grid.size
+        and (grid.grid_shape < height_width[::-1]).all()
+    )
+    if not inside or (points.areas(grid.grid_shape) < 1e-3).any():
+        raise DamagedFile(path, "its pixels, its mesh and its triangles do not fit each other")
 
 
 def fit_reference(

@@ -13,7 +13,7 @@ from pathlib import Path
 
 import numpy as np
 
-from visualspeech.errors import DataError, SettingError
+from visualspeech.errors import DamagedFile, DataError, SettingError
 from visualspeech.face.mean_face import MEAN_FACE
 from visualspeech.storage.files import read_text
 
@@ -186,6 +186,20 @@ def read_point_set(name: str) -> PointSet:
         Its file is damaged; the message says where.
     """
     return _read(point_set_path(name))
+
+
+def stored_point_set(name: str, path) -> PointSet:
+    """The point set that the model file ``path`` names.
+
+    Raises
+    ------
+    DamagedFile
+        There is no point set of that name in this version of the library.
+    """
+    try:
+        return read_point_set(name)
+    except (SettingError, DataError) as error:
+        raise DamagedFile(path, f"its point set {name[:40]!r} cannot be read ({error})") from error
 
 
 @lru_cache

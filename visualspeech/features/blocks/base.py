@@ -14,9 +14,10 @@ from typing import ClassVar, Protocol
 
 import numpy as np
 
-from visualspeech.errors import StorageError
+from visualspeech.errors import DamagedFile, StorageError
 from visualspeech.features.streams import Layout, Stream
 from visualspeech.speech.alignment import Alignment, read_alignments
+from visualspeech.storage.layouts import TEXT, FileLayout, check_plain
 from visualspeech.storage.models import read_model_of, write_model
 
 
@@ -41,6 +42,8 @@ class Block(Protocol):
     kind: ClassVar[str]
     #: Subclass of :class:`visualspeech.fields.Settings`; None for a block without settings.
     settings: ClassVar[type | None]
+    #: What :meth:`state` gives, against which a file is checked before :meth:`restore` sees it.
+    stored: ClassVar[FileLayout]
 
     @classmethod
     def fit(cls, settings: Mapping, phones: Sequence[str], training: Iterable[Source]) -> "Block":
@@ -92,18 +95,19 @@ def block_class(kind: str) -> type[Block]:
     return import_module(block_module(kind)).BLOCK
 
 
-def restore(kind: str, arrays: Mapping[str, np.ndarray], plain: Mapping) -> Block:
-    """A fitted block from its state.
+def restore(kind: str, arrays: Mapping[str, np.ndarray], plain: Mapping, path: str | Path = "") -> Block:
+    """A fitted block from its state, which the file ``path`` holds.
 
     Raises
     ------
     StorageError
         The kind is unknown, or the state is not one of that kind.
     """
-    try:
-        return block_class(kind).restore(arrays, plain)
-    except (TypeError, KeyError, ValueError) as error:
-        raise StorageError(f"this is no state of an input block of kind {kind} ({error!r}).") from error
+    if kind not in block_kinds():
+        raise DamagedFile(path, f"the input block kind {kind[:40]!r} is unknown. Known: {', '.join(block_kinds())}")
+    cls = block_class(kind)
+    cls.stored.check(path, arrays, plain)
+    return cls.restore(arrays, plain)
 
 
 def save_block(path: str | Path, block: Block) -> None:
@@ -115,10 +119,19 @@ def save_block(path: str | Path, block: Block) -> None:
 def load_block(path: str | Path) -> Block:
     """Read what :func:`save_block` wrote; raises as :func:`restore`."""
     arrays, settings = read_model_of(path, "input block", ["block"])
-    return restore(settings["block"], arrays, settings["state"])
+    check_plain(path, settings, _BLOCK)
+    return restore(settings["block"], arrays, settings["state"], path)
 
 
-def read_sources(alignment: str | Path, targets, ids: Collection[str]) -> dict[str, Source]:
+_BLOCK = {
+    "type": "object",
+    "required": ["kind", "block", "state"],
+    "additionalProperties": False,
+    "properties": {"kind": TEXT, "block": TEXT, "state": {"type": "object"}},
+}
+
+
+def read_sources(alignment: str | Path, targets, ids: Collection[str], complete: bool = False) -> dict[str, Source]:
     """What blocks are computed from, of the utterances of one shard, by id.
 
     Parameters
@@ -126,9 +139,13 @@ def read_sources(alignment: str | Path, targets, ids: Collection[str]) -> dict[s
     alignment : table of the shard
     targets : open reader or collection, which gives length and rate of each utterance
     ids : the utterances that are wanted; those without an alignment or targets are left out
+    complete : whether the table must hold all of them; raises :class:`StorageError` where one is missing
     """
+    alignments = read_alignments(alignment)
+    for name in ids if complete else ():
+        alignments[name]
     return {
         name: Source(targets.length(name, "appearance"), targets.rate(name), found)
-        for name, found in read_alignments(alignment).items()
+        for name, found in alignments.items()
         if name in ids and name in targets
     }

@@ -12,6 +12,7 @@ from visualspeech.features.streams import Layout, Stream
 from visualspeech.fields import Settings, setting
 from visualspeech.speech import tts
 from visualspeech.speech.phones import SILENCE
+from visualspeech.storage.layouts import FileLayout
 
 
 @dataclass(frozen=True)
@@ -40,6 +41,9 @@ class LabelParts:
 
     kind: ClassVar[str] = "label_parts"
     settings: ClassVar[type | None] = LabelPartsSettings
+    stored: ClassVar[FileLayout] = FileLayout(
+        plain={"parts": {"type": "array", "minItems": 1, "uniqueItems": True, "items": {"enum": list(PARTS)}}}
+    )
 
     parts: tuple[str, ...]
 

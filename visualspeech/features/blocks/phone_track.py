@@ -9,6 +9,7 @@ import numpy as np
 from visualspeech.features.blocks.base import Source
 from visualspeech.features.contexts import phone_contexts
 from visualspeech.features.streams import Layout, Stream
+from visualspeech.storage.layouts import PHONES, FileLayout
 
 
 @dataclass(frozen=True)
@@ -22,6 +23,7 @@ class PhoneTrack:
 
     kind: ClassVar[str] = "phone_track"
     settings: ClassVar[type | None] = None
+    stored: ClassVar[FileLayout] = FileLayout(plain={"phones": PHONES})
 
     phones: tuple[str, ...]
 

@@ -10,6 +10,7 @@ from visualspeech.features.blocks.base import Source
 from visualspeech.features.labels import label_indices
 from visualspeech.features.streams import Layout, Stream
 from visualspeech.speech.phones import STATES
+from visualspeech.storage.layouts import PHONES, FileLayout
 
 
 @dataclass(frozen=True)
@@ -23,6 +24,7 @@ class TriphoneState:
 
     kind: ClassVar[str] = "triphone_state"
     settings: ClassVar[type | None] = None
+    stored: ClassVar[FileLayout] = FileLayout(plain={"phones": PHONES})
 
     phones: tuple[str, ...]
 

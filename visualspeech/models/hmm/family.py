@@ -6,16 +6,17 @@ from pathlib import Path
 
 import numpy as np
 
-from visualspeech.errors import DataError
+from visualspeech.errors import DamagedFile, DataError
 from visualspeech.features.blocks.base import Block
 from visualspeech.features.examples import Example
 from visualspeech.features.streams import Stream
-from visualspeech.models.block_states import pack, unpack
+from visualspeech.models.block_states import BLOCK_ARRAYS, BLOCKS, pack, unpack
 from visualspeech.models.hmm.mge import refine
-from visualspeech.models.hmm.model import Hmm, HmmSettings
+from visualspeech.models.hmm.model import ARRAYS, PLAIN, Hmm, HmmSettings
 from visualspeech.models.hmm.segments import PhoneTrack
 from visualspeech.models.hmm.training import fit_monophones, fit_tied
 from visualspeech.models.task import Fitted, Task, check_examples, check_streams
+from visualspeech.storage.layouts import RATE, TEXT, FileLayout
 from visualspeech.storage.models import read_model_of, write_model
 
 FAMILY = "hmm"
@@ -107,6 +108,17 @@ def fit(task: Task) -> Fitted:
 
 def load(path: str | Path) -> HmmModel:
     """Read saved HMMs; raises as :func:`visualspeech.storage.models.read_model_of`."""
-    arrays, settings = read_model_of(path, "phone HMMs", ["model"], ["self_transition"], FAMILY)
-    hmm = Hmm.restore(arrays, settings["hmm"])
-    return HmmModel(hmm, unpack(arrays, settings["blocks"]), settings["rate"], settings["coding"])
+    arrays, settings = read_model_of(path, "phone HMMs", ["model"], LAYOUT, FAMILY)
+    blocks = unpack(arrays, settings["blocks"], path)
+    hmm = Hmm.restore(arrays, settings["hmm"], path)
+    (columns, centre), layouts = hmm.tying.layout, [block.layout for block in blocks.values()]
+    fits = [
+        layout.segmental and layout.sizes == (len(hmm.phones),) * columns and centre == (columns - 1) // 2
+        for layout in layouts
+    ]
+    if fits != [True] or tuple(next(iter(blocks.values())).phones) != hmm.phones:
+        raise DamagedFile(path, "its phones are not those of its input block")
+    return HmmModel(hmm, blocks, settings["rate"], settings["coding"])
+
+
+LAYOUT = FileLayout({**ARRAYS, **BLOCK_ARRAYS}, {"hmm": PLAIN, "blocks": BLOCKS, "rate": RATE, "coding": TEXT})

@@ -2,17 +2,19 @@
 
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field
+from pathlib import Path
 
 import numpy as np
 
-from visualspeech.errors import DataError
+from visualspeech.errors import DamagedFile, DataError
 from visualspeech.features.resampling import resample
-from visualspeech.fields import MAX_SEED, Settings, setting
+from visualspeech.fields import MAX_SEED, Settings, restored, setting
 from visualspeech.models.hmm.chains import timed_states
 from visualspeech.models.hmm.generation import Trajectory, generate
 from visualspeech.models.hmm.segments import PhoneTrack
 from visualspeech.models.hmm.statistics import Gaussians
 from visualspeech.models.hmm.tying import Tying
+from visualspeech.storage.layouts import PHONES, Array
 from visualspeech.storage.models import part_of
 from visualspeech.timing import frames_in
 
@@ -175,13 +177,76 @@ class Hmm:
         return arrays, plain
 
     @staticmethod
-    def restore(arrays: Mapping[str, np.ndarray], plain: Mapping) -> "Hmm":
-        """The inverse of :meth:`state`."""
-        return Hmm(
-            settings=HmmSettings(**plain["settings"]),
+    def restore(arrays: Mapping[str, np.ndarray], plain: Mapping, path: str | Path = "") -> "Hmm":
+        """The inverse of :meth:`state`, for content of the file ``path`` that fits :data:`ARRAYS` and :data:`PLAIN`.
+
+        Raises
+        ------
+        StorageError
+            The settings, the trees or the Gaussians do not fit each other.
+        """
+        hmm = Hmm(
+            settings=restored(HmmSettings, plain["settings"], path),
             phones=tuple(plain["phones"]),
-            tying=Tying(**part_of(arrays, "tying"), **plain["contexts"]),
+            tying=Tying(
+                **part_of(arrays, "tying"), **{name: int(number) for name, number in plain["contexts"].items()}
+            ),
             gaussians=Gaussians(**part_of(arrays, "gaussians")),
             self_transition=arrays["self_transition"],
             about=plain["about"],
         )
+        _check(path, hmm)
+        return hmm
+
+
+#: K phones, S states, Q nodes of trees, M Gaussians of N parameters.
+ARRAYS = {
+    "self_transition": Array("f", ("K", "S"), 0, 1),
+    "tying.roots": Array("i", ("S", "K")),
+    "tying.positions": Array("i", ("Q?",), 0),
+    "tying.members": Array("b", ("Q?", "K")),
+    "tying.branches": Array("i", ("Q?", 2)),
+    "gaussians.mean": Array("f", ("M", "3N"), -1e9, 1e9),
+    "gaussians.variance": Array("f", ("M", "3N"), 1e-15),
+    "gaussians.duration_mean": Array("f", ("M",), 1e-9, 1e9),
+    "gaussians.duration_variance": Array("f", ("M",), 1e-9, 1e9),
+}
+PLAIN = {
+    "type": "object",
+    "required": ["settings", "phones", "contexts", "about"],
+    "additionalProperties": False,
+    "properties": {
+        "settings": {"type": "object"},
+        "phones": PHONES,
+        "contexts": {
+            "type": "object",
+            "required": ["columns", "centre"],
+            "additionalProperties": False,
+            "properties": {
+                "columns": {"type": "integer", "minimum": 1, "maximum": 99},
+                "centre": {"type": "integer", "minimum": 0, "maximum": 98},
+            },
+        },
+        "about": {"type": "object"},
+    },
+}
+_MOST_STEP = 200  # frames between the taps of the windows, to which the memory of a generated stream is proportional
+_MOST_SPREAD = 1e12  # largest over least variance of one parameter, beyond which streams cannot be computed
+
+
+def _check(path, hmm: Hmm) -> None:
+    """Refuse trees that never end or lead to no Gaussian, and Gaussians from which no stream can be generated."""
+    tying, count = hmm.tying, len(hmm.gaussians.mean)
+    nodes = len(tying.positions)
+    if hmm.settings.step > _MOST_STEP:
+        raise DamagedFile(path, f"its windows reach over {hmm.settings.step} frames, more than {_MOST_STEP}")
+    if len(hmm.phones) != tying.roots.shape[1] or hmm.settings.states != tying.roots.shape[0]:
+        raise DamagedFile(path, "its phones or states are not those of its trees")
+    targets = np.concatenate([tying.roots.ravel(), tying.branches.ravel()])
+    # A branch leads on to a later node, so every way through a tree ends.
+    onward = (tying.branches < 0) | (tying.branches > np.arange(nodes)[:, None])
+    if targets.min() < -count or targets.max() >= nodes or not onward.all() or (tying.positions >= tying.columns).any():
+        raise DamagedFile(path, "its trees lead to no Gaussian")
+    variance = hmm.gaussians.variance.reshape(count, 3, -1).astype(np.float64)
+    if (variance.max(axis=(0, 1)) > _MOST_SPREAD * variance.min(axis=(0, 1))).any():
+        raise DamagedFile(path, "the variances of one parameter are too different to generate a stream")

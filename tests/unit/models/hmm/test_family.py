@@ -97,7 +97,7 @@ def test_what_a_variant_needs_is_asked_for(files, tmp_path):
     with pytest.raises(DataError, match="no training utterance"):
         family.fit(task("hmm", {"variant": "monophone"}, blocks=BLOCKS))
     mean.fit(task("mean", training=TRAINING, blocks=BLOCKS)).model.save(tmp_path / "mean.safetensors")
-    with pytest.raises(StorageError, match="mean.safetensors holds no phone HMMs"):
+    with pytest.raises(StorageError, match="mean.safetensors: it holds no phone HMMs"):
         fit("tied", tmp_path / "mean.safetensors")
 
 

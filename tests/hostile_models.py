@@ -1,0 +1,393 @@
+"""Altered speaker folders: what a stranger, a bad disk or a mistaken hand may make of the files of a speaker.
+
+:func:`campaign` alters one thing per case, signs it as an attacker would (or leaves the digests as damage would), loads
+it and uses what was loaded. Allowed are an error of the library that names the file, and finite results::
+
+    from tests.hostile_models import campaign, make
+
+    for outcome in campaign(make(folder), folder / "work", seed=1, count=10_000):
+        assert not outcome.problem, outcome
+
+With the same seed, the first cases of a longer campaign are those of a shorter one.
+"""
+
+import copy
+import json
+import shutil
+import warnings
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+
+from tests.unit.animation import speakers
+from visualspeech.animation.background import Background
+from visualspeech.animation.bundle import DESCRIPTION, FILES, SpeakerBundle, check_together
+from visualspeech.animation.performance import face_of
+from visualspeech.animation.showable import BoundedModel, check_showable
+from visualspeech.animation.speaking import speaking_frames
+from visualspeech.animation.video import Speaker
+from visualspeech.errors import VisualSpeechError
+from visualspeech.face.aam.model import Aam
+from visualspeech.face.aam.reference import Reference, texture_image
+from visualspeech.face.head import HeadModel
+from visualspeech.features.blocks.base import Source
+from visualspeech.features.blocks.phone_track import PhoneTrack
+from visualspeech.features.blocks.triphone_state import TriphoneState
+from visualspeech.features.examples import Example
+from visualspeech.models import lookup, mean
+from visualspeech.models.hmm import family as hmm
+from visualspeech.models.registry import load_model
+from visualspeech.models.rows import ModelRow
+from visualspeech.models.task import Task
+from visualspeech.provenance import file_digest
+from visualspeech.speech.spoken import timed
+from visualspeech.storage.arrays import ArrayReader
+from visualspeech.storage.models import read_model, write_model
+
+PHONES = ("sil", "aa", "b", "iy", "m", "s")
+FAMILIES = ("stack", "hmm", "lookup", "mean")
+WHOLE = 0.02  # share of the cases that load a whole folder and render it
+RENDERED = 0.2  # share of the loaded folders of which a frame is rendered, which takes longest
+SLOW = {"background": 0.3, "speaker": 0.3, "rest": 0.2}  # weights of parts whose cases take longest; others have 1
+NUMBERS = (np.nan, np.inf, -np.inf, 1e308, -1e308, 1e38, 1e30, 1e13, -1e13, 1e7, 0.0, -1.0, 1e-30)
+
+
+class Outcome(NamedTuple):
+    """What came of one case: its number and description, the message of the error if any, and what must not be."""
+
+    number: int
+    case: str
+    error: str = ""
+    problem: str = ""
+
+
+def make(folder: Path) -> Path:
+    """Write a small speaker with a model of every family (``model_<family>.safetensors``); returns its folder."""
+    made = speakers.make(Path(folder) / "speaker", PHONES)
+    bundle, coding = SpeakerBundle.load(made), file_digest(made / FILES["aam"])
+    shutil.copyfile(made / FILES["model"], made / "model_stack.safetensors")
+    spread, random = np.sqrt(bundle.speaker.aam.appearance_variances), np.random.default_rng(0)
+
+    def task(family, settings, block, parent=None):
+        examples = []
+        for _ in range(6):
+            alignment = spoken(random.permutation(PHONES[1:]))
+            stream = next(iter(block.encode([Source(25, 25.0, alignment)])))
+            target = bundle.rest + 0.3 * spread * random.normal(size=(25, len(bundle.rest)))
+            examples.append(Example((stream,), target.astype(np.float32), 25.0))
+        row = ModelRow("model", "Model", family, settings, ("block",))
+        return Task(row, {"block": block}, examples, examples, coding, parent)
+
+    small = {"states": 2, "rate": 50.0, "min_frames": 2.0, "mdl_factor": 0.01, "untied_iterations": 1}
+    hmm.fit(task("hmm", {**small, "variant": "monophone"}, PhoneTrack(PHONES))).model.save(made / "parent.safetensors")
+    tied = task("hmm", {**small, "variant": "tied"}, PhoneTrack(PHONES), made / "parent.safetensors")
+    hmm.fit(tied).model.save(made / "model_hmm.safetensors")
+    settings = {"context": "triphone", "min_count": 2}
+    lookup.fit(task("lookup", settings, TriphoneState(PHONES))).model.save(made / "model_lookup.safetensors")
+    mean.fit(task("mean", {}, TriphoneState(PHONES))).model.save(made / "model_mean.safetensors")
+    (made / "parent.safetensors").unlink()
+    return made
+
+
+def spoken(phones):
+    """An alignment of one second with a pause on either side of some phones."""
+    times = np.linspace(0.2, 0.8, len(phones) + 1).tolist()
+    inner = [(str(phone), *span) for phone, *span in zip(phones, times[:-1], times[1:], strict=True)]
+    return timed([("sil", 0.0, 0.2), *inner, ("sil", 0.8, 1.0)])
+
+
+def campaign(source: Path, work: Path, seed: int, count: int) -> Iterator[Outcome]:
+    """Run cases on copies of the speaker ``source`` in the folder ``work``, which it makes; one outcome per case."""
+    stage = _Stage(source, work)
+    for number in range(count):
+        yield stage.run(number, np.random.default_rng([seed, number]))
+
+
+class _Stage:
+    """The parts of a speaker in memory, and the folder in which cases are written."""
+
+    def __init__(self, source: Path, work: Path) -> None:
+        self.source, self.work = source, shutil.copytree(source, work)
+        self.whole = SpeakerBundle.load(source)
+        self.about = json.loads((source / DESCRIPTION).read_text())
+        self.models = {family: source / f"model_{family}.safetensors" for family in FAMILIES}
+        self.altered: set[str] = set()  # files in the folder that are not as they were
+        self.sound = {name: (source / name).read_bytes() for name in (*FILES.values(), DESCRIPTION)}
+        names = ("aam", "reference", "head", "rest")
+        self.paths = {**self.models, **{name: source / FILES[name] for name in names}}
+        self.content = {name: read_model(path) for name, path in self.paths.items()}
+        with ArrayReader(source / FILES["background"]) as file:
+            self.background = {name: (file[name], file.attributes(name)) for name in file.ids}
+
+    def run(self, number: int, random: np.random.Generator) -> Outcome:
+        parts = [*self.paths, "background", "speaker"]
+        weights = np.array([SLOW.get(name, 1.0) for name in parts])
+        part = str(random.choice(parts, p=weights / weights.sum()))
+        file = {"background": FILES["background"], "speaker": DESCRIPTION}.get(part)
+        path = self.work / (file or FILES.get(part, FILES["model"]))
+        whole = part in ("speaker", "rest") or random.random() < WHOLE
+        for name in self.altered if whole else ():
+            (self.work / name).write_bytes(self.sound[name])
+        self.altered = ({path.name} if whole else self.altered | {path.name}) | ({DESCRIPTION} if whole else set())
+        case = f"{part}: {self._alter(part, path, random)}"
+        try:
+            with warnings.catch_warnings():
+                warnings.simplefilter("error")
+                finite = self._use_folder(part, path, random) if whole else self._use_part(part, path, random)
+            return Outcome(number, case, problem="" if finite else "a result is not finite")
+        except VisualSpeechError as error:
+            named = str(path) in str(error) or str(self.work) in str(error)
+            return Outcome(number, case, str(error), "" if named else f"the file is not named: {error}")
+        except Exception as error:
+            return Outcome(number, case, problem=repr(error))
+
+    def _alter(self, part: str, path: Path, random: np.random.Generator) -> str:
+        if part == "speaker":
+            about = copy.deepcopy(self.about)
+            said = alter_plain(about, random) if random.random() < 0.8 else _alter_bytes(path, random)
+            if not said.startswith("bytes"):
+                path.write_text(_json(about))
+            return said
+        kind = random.random()
+        if part == "background":
+            if kind < 0.1:
+                return _alter_bytes(path, random)
+            return alter_background(path, copy.deepcopy(self.background), random)
+        if kind < 0.1:
+            path.write_bytes(self.paths[part].read_bytes())
+            return _alter_bytes(path, random)
+        arrays, settings = copy.deepcopy(self.content[part])
+        said = alter_plain(settings, random) if kind < 0.45 else alter_arrays(arrays, random)
+        try:
+            write_model(path, arrays, settings)
+        except Exception as error:  # what cannot be written is no case
+            return f"not written ({error!r})"
+        return said
+
+    def _use_part(self, part: str, path: Path, random: np.random.Generator) -> bool:
+        """Load one altered part beside the sound others, check it with them, and use it."""
+        whole, speaker = self.whole, self.whole.speaker
+        if part in FAMILIES:
+            trained = load_model(path)
+            try:
+                check_together(trained, speaker, self.about["parts"]["aam"], PHONES)
+            except VisualSpeechError as error:
+                raise VisualSpeechError(f"{path}: {error}") from error
+            return _speaks(BoundedModel(trained, speaker, str(path)), whole.rest)
+        rest, background = whole.rest, whole.background
+        if part == "aam":
+            speaker = Speaker(speaker.head, Aam.load(path), speaker.reference)
+        elif part == "head":
+            speaker = Speaker(HeadModel.load(path), speaker.aam, speaker.reference)
+        elif part == "reference":
+            reference = Reference.load(path)
+            texture = np.zeros(3 * reference.size, np.float32)
+            return bool(np.isfinite(reference.weights.sum()) and np.isfinite(texture_image(texture, reference)).all())
+        elif part == "background":
+            background = Background.load(path)
+            frame = background.frame(int(random.integers(len(background))))
+            if background.shapes.shape[1] != len(speaker.aam.shape_mean) or frame.ndim != 3:
+                return True  # another face, which the whole folder refuses
+        if (
+            len(speaker.aam.appearance_components) != len(rest)
+            or len(speaker.aam.texture_mean) != 3 * (speaker.reference.size)
+            or background.textures.shape[1] != len(speaker.aam.texture_mean)
+        ):
+            return True  # refused where the parts are put together
+        check_showable(self.work, speaker, background, rest)
+        return all(np.isfinite(one).all() for one in speaker.aam.decode(rest[None]))
+
+    def _use_folder(self, part: str, path: Path, random: np.random.Generator) -> bool:
+        """Load the whole folder with digests that fit, let the speaker speak, and sometimes render."""
+        if part != "speaker":
+            name = next(key for key, file in FILES.items() if file == path.name)
+            about = copy.deepcopy(self.about)
+            about["parts"][name] = file_digest(path)
+            (self.work / DESCRIPTION).write_text(json.dumps(about))
+        bundle = SpeakerBundle.load(self.work)
+        if random.random() < RENDERED and next(speaking_frames(bundle.rest[None], bundle)).dtype != np.uint8:
+            return False
+        return _speaks(bundle.trained, bundle.rest)
+
+
+def _speaks(model, rest: np.ndarray) -> bool:
+    predicted = face_of(spoken(PHONES[1:]), 12, model, rest, 0.1)
+    return bool(np.isfinite(predicted).all())
+
+
+def _json(value) -> str:
+    """JSON of a value; lists that are nested more deeply than Python can write are written by hand."""
+    try:
+        return json.dumps(value)
+    except RecursionError:
+        return "[" * 100_000 + "]" * 100_000
+
+
+def _alter_bytes(path: Path, random: np.random.Generator) -> str:
+    """Damage: some bytes changed, or the end lost."""
+    data = bytearray(path.read_bytes())
+    at = int(random.integers(len(data)))
+    if random.random() < 0.3:
+        path.write_bytes(data[:at])
+        return f"bytes from {at} on lost"
+    data[at] ^= int(random.integers(1, 256))
+    path.write_bytes(data)
+    return f"byte {at} changed"
+
+
+def alter_plain(plain, random: np.random.Generator) -> str:
+    """Alter one entry of plain data in place; returns what was done."""
+    nodes = list(_nodes(plain))
+    holder, key = nodes[int(random.integers(len(nodes)))]
+    deep: list = []
+    for _ in range(500):
+        deep = [deep]
+    value = holder[key]
+    values = [None, "", "text", "../../x", -1, 0, 1, 2.5, 10**30, 10**400, 1e308, float("nan"), float("inf"), True]
+    values += [[], {}, [value], {"a": value}, deep, "x" * 200_000, [value] * 3, [0] * 5000]
+    if isinstance(value, int | float) and not isinstance(value, bool):
+        values += [value + 1, -value, value * 10, value * 1e6, str(value)] * 2
+    if isinstance(value, list):
+        values += [value[:-1], value + value[-1:], value[::-1], [str(one) for one in value]] * 2
+    choice = int(random.integers(len(values) + 4))
+    if choice >= len(values) and isinstance(holder, dict):
+        if choice % 2:
+            del holder[key]
+            return f"{key} deleted"
+        holder[f"{key}2"] = value
+        return f"{key}2 added"
+    holder[key] = new = copy.copy(values[choice % len(values)])
+    return f"{key} = {new!r:.60}"
+
+
+def _nodes(plain) -> Iterator[tuple]:
+    keys = list(plain) if isinstance(plain, dict) else range(min(len(plain), 20))
+    for key in keys:
+        yield plain, key
+        if isinstance(plain[key], dict | list):
+            yield from _nodes(plain[key])
+
+
+def alter_arrays(arrays: dict, random: np.random.Generator) -> str:
+    """Alter one of some arrays in place; returns what was done."""
+    name = str(random.choice(sorted(arrays)))
+    values = arrays[name]
+    kind = str(random.choice(["value", "scale", "type", "shape", "rows", "name", "order", "noise"]))
+    if kind == "value":
+        number = NUMBERS[int(random.integers(len(NUMBERS)))]
+        arrays[name] = changed = np.array(values, copy=True)
+        with np.errstate(all="ignore"), warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            new = (
+                np.float64(number) if changed.dtype.kind == "f" else random.choice([-1, 2**31 - 1, 10**9, -(2**31), 7])
+            )
+            if changed.size:
+                changed.reshape(-1)[int(random.integers(changed.size))] = np.asarray(new).astype(changed.dtype)
+            if random.random() < 0.2:
+                changed[...] = np.asarray(new).astype(changed.dtype)
+        return f"{name}: a value {number}"
+    if kind == "scale":
+        factor = float(random.choice([0.0, -1.0, 10.0, 1e4, 1e9, 1e20, 1e35, 1e-20]))
+        with np.errstate(all="ignore"), warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            arrays[name] = (values * factor).astype(values.dtype)
+        return f"{name} times {factor:g}"
+    if kind == "type":
+        wanted = random.choice(["float16", "float32", "float64", "int8", "int64", "uint8", "uint64", "bool"])
+        with np.errstate(all="ignore"), warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            arrays[name] = values.astype(wanted)
+        return f"{name} as {wanted}"
+    if kind == "shape":
+        shapes = [values.T, values.reshape(-1), values[None], values[..., None], np.zeros((0, *values.shape[1:]))]
+        arrays[name] = new = shapes[int(random.integers(len(shapes)))].astype(values.dtype)
+        return f"{name} in the shape {new.shape}"
+    if kind == "rows" and values.ndim and len(values):
+        new = [values[:-1], values[:1], np.concatenate([values, values[-1:]]), np.repeat(values, 3, axis=0)]
+        new += [values[..., :-1], np.concatenate([values, values[..., -1:]], axis=-1)]
+        arrays[name] = one = new[int(random.integers(len(new)))]
+        return f"{name} with {one.shape} rows"
+    if kind == "name":
+        other = str(random.choice([*sorted(arrays), "more", "weights.more", "blocks.0.x", ""]))
+        arrays[other] = arrays.pop(name) if random.random() < 0.7 else values
+        return f"{name} named {other}"
+    if kind == "order" and values.ndim:
+        arrays[name] = random.permutation(values, axis=int(random.integers(values.ndim)))
+        return f"{name} in another order"
+    if values.dtype.kind == "f":
+        spread = np.abs(values).max(initial=0) * 10.0 ** random.integers(-2, 3)
+        with np.errstate(all="ignore"):
+            arrays[name] = (values + spread * random.normal(size=values.shape)).astype(values.dtype)
+        return f"{name} with noise"
+    del arrays[name]
+    return f"{name} deleted"
+
+
+def alter_background(path: Path, content: Mapping, random: np.random.Generator) -> str:
+    """Write an altered background as anyone can write HDF5; returns what was done."""
+    import h5py
+
+    recording = str(random.choice(sorted(content)))
+    arrays, attributes = content[recording]
+    kind = str(random.choice(["array", "attribute", "link", "group", "type", "sparse", "outside", "jpeg", "recording"]))
+    said = ""
+    if kind == "array":
+        said = alter_arrays(arrays, random)
+    elif kind == "attribute":
+        said = alter_plain(attributes, random)
+    elif kind == "jpeg":
+        first = int(random.integers(arrays["ends"][0]))
+        arrays["pictures"] = arrays["pictures"].copy()
+        arrays["pictures"][first : first + 8] = random.integers(0, 256, len(arrays["pictures"][first : first + 8]))
+        said = f"bytes of the first JPEG from {first} on"
+    elif kind == "recording":
+        del content[recording]
+        said = f"{recording} deleted"
+        if random.random() < 0.5:
+            content.clear()
+            said = "no recording"
+    name = str(random.choice(sorted(arrays)))
+    with h5py.File(path, "w") as file:
+        for one, (own, tags) in content.items():
+            group = file.create_group(one)
+            for key, value in own.items():
+                if key:
+                    group.create_dataset(key, data=value)
+            for key, value in tags.items():
+                try:
+                    group.attrs[key] = value
+                except Exception:  # what HDF5 cannot hold is no case
+                    group.attrs[key] = str(value)[:1000]
+        if kind in ("array", "attribute", "jpeg", "recording"):
+            return said
+        group = file[recording]
+        old = group[name][()]
+        del group[name]
+        if kind == "link":
+            links = [h5py.SoftLink(f"/{recording}/ends"), h5py.SoftLink("/nowhere"), h5py.SoftLink(f"/{recording}")]
+            links += [h5py.ExternalLink("/etc/passwd", "/"), h5py.ExternalLink(str(path.parent / "x.h5"), "/x")]
+            group[name] = links[int(random.integers(len(links)))]
+        elif kind == "group":
+            group.create_group(name)
+        elif kind == "type":
+            texts = h5py.string_dtype()
+            kinds = [np.array([b"ab"]), np.array([(1, 2.0)], "i4,f8"), np.zeros(3, complex)]
+            if random.random() < 0.3:
+                group.create_dataset(name, data=["a", "b"], dtype=texts)
+            elif random.random() < 0.3:
+                group.create_dataset(name, data=h5py.Empty("f"))
+            else:
+                group.create_dataset(name, data=kinds[int(random.integers(3))])
+        elif kind == "sparse":
+            size = (int(10 ** random.integers(6, 15)), *old.shape[1:])
+            group.create_dataset(name, shape=size, dtype=old.dtype, chunks=(1000, *old.shape[1:]), compression="gzip")
+        elif random.random() < 0.5:
+            outside = [(str(path.parent / "speaker.json"), 0, old.nbytes)]
+            group.create_dataset(name, shape=old.shape, dtype=old.dtype, external=outside)
+        else:
+            layout = h5py.VirtualLayout(old.shape, old.dtype)
+            layout[...] = h5py.VirtualSource(str(path.parent / "other.h5"), "x", old.shape)
+            group.create_virtual_dataset(name, layout)
+    return f"{recording}/{name}: {kind}"
