@@ -52,6 +52,26 @@ def settle_environment(root: str | Path) -> None:
     os.environ["PYTHONPATH"] = os.pathsep.join(dict.fromkeys(filter(None, folders)))
 
 
+def settle_messages() -> None:
+    """Let Ctrl-C end the main process with one line, where Snakemake would show a traceback (while it plans)."""
+    show, show_ignored = sys.excepthook, sys.unraisablehook
+    # A message that cannot be written, to a full disk or a closed terminal, is no error of the run.
+    logging.raiseExceptions = False
+
+    def shown(kind, error, trace) -> None:
+        if not issubclass(kind, KeyboardInterrupt):
+            show(kind, error, trace)
+        else:
+            with suppress(OSError):
+                print("stopped; run the same command again to resume", file=sys.stderr)
+
+    def shown_ignored(ignored) -> None:
+        if not issubclass(ignored.exc_type, KeyboardInterrupt):
+            show_ignored(ignored)
+
+    sys.excepthook, sys.unraisablehook = shown, shown_ignored
+
+
 def settle_locks(folders: Iterable[str | Path]) -> None:
     """Let every job started by this process share the locks of these result folders."""
     os.environ[LOCKS] = json.dumps([str(jobs_lock(folder).absolute()) for folder in folders])

@@ -5,6 +5,7 @@ A file is written as ``.partial.<process id>.<name>`` and renamed when it is who
 
 import hashlib
 import os
+import re
 import shutil
 import threading
 import time
@@ -58,6 +59,11 @@ def give_up() -> None:
         time.sleep(0.01)
 
 
+def target_of(path: Path) -> Path:
+    """A path as it will be called when everything on it is finished."""
+    return Path(*(re.sub(rf"^{re.escape(PREFIX)}\d+\.", "", part) for part in path.parts))
+
+
 def remove(path: Path) -> None:
     """Remove a file, a link or a folder with all that it holds, if it exists."""
     if path.is_dir() and not path.is_symlink():
@@ -75,7 +81,7 @@ def remove_leftovers(path: Path) -> None:
         names = [entry.name for entry in entries if entry.name.startswith(PREFIX)]
     own = partial_of(path).name.removeprefix(f"{PREFIX}{os.getpid()}")
     for name in names:
-        if name.endswith(own) and name == f"{PREFIX}{writer_of(name)}{own}" and not is_alive(writer_of(name)):
+        if name == f"{PREFIX}{writer_of(name)}{own}" and _is_abandoned(parent / name):
             remove(parent / name)
 
 
@@ -83,9 +89,10 @@ def sweep(folder: Path) -> None:
     """Remove every unfinished file and folder below a folder whose process has ended."""
     for parent, folders, files in os.walk(folder):
         for name in (*folders, *files):
-            if name.startswith(PREFIX) and not is_alive(writer_of(name)):
+            path = Path(parent, name)
+            if name.startswith(PREFIX) and _is_abandoned(path):
                 with suppress(OSError):
-                    remove(Path(parent, name))
+                    remove(path)
         folders[:] = [name for name in folders if not name.startswith(PREFIX)]
 
 
@@ -99,8 +106,8 @@ def is_alive(process: int) -> bool:
     """Whether a process with this id runs on this machine."""
     if process <= 0:
         return False
-    with suppress(OSError), open(f"/proc/{process}/stat", encoding="utf-8", errors="replace") as file:
-        return file.read().rpartition(")")[2].split()[0] not in "ZX"  # an ended process that nobody has waited for
+    with suppress(OSError):
+        return _status(process)[0] not in "ZX"  # an ended process that nobody has waited for
     try:
         os.kill(process, 0)
     except PermissionError:
@@ -108,3 +115,25 @@ def is_alive(process: int) -> bool:
     except OSError:
         return False
     return True
+
+
+def _is_abandoned(path: Path) -> bool:
+    """Whether the process that wrote an unfinished file has ended.
+
+    Ids are given out again, soon after the start of a machine or a container: a process that began well after the file
+    was last changed is not its writer.
+    """
+    process = writer_of(path.name)
+    if not is_alive(process):
+        return True
+    try:
+        began = float(_status(process)[19]) / os.sysconf("SC_CLK_TCK") - time.clock_gettime(time.CLOCK_BOOTTIME)
+        return began + time.time() > path.lstat().st_ctime + 60
+    except (AttributeError, OSError):  # not Linux, or one of them has gone
+        return False
+
+
+def _status(process: int) -> list[str]:
+    """The fields of a process's status from its state on (``man proc_pid_stat``); raises OSError if it has ended."""
+    with open(f"/proc/{process}/stat", encoding="utf-8", errors="replace") as file:
+        return file.read().rpartition(")")[2].split()

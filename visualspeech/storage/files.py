@@ -8,15 +8,15 @@ from pathlib import Path
 from tempfile import TemporaryFile
 
 from visualspeech.errors import StorageError, VisualSpeechError
-from visualspeech.unfinished import partial_of, remove, remove_leftovers, rename, unfinished
+from visualspeech.unfinished import partial_of, remove, remove_leftovers, rename, target_of, unfinished
 
 
 def write_error(error: OSError, path: Path) -> StorageError:
     """The error of a file or folder that cannot be written."""
     reason = os.strerror(error.errno) if error.errno else error.strerror or str(error)
     return StorageError(
-        f"cannot write {path}: {reason}. Check that the folder exists, that you may write to it and that the disk is "
-        "not full; then run the same command again, finished work is kept."
+        f"cannot write {target_of(path)}: {reason}. Check that the folder exists, that you may write to it and that "
+        "the disk is not full; then run the same command again, finished work is kept."
     )
 
 
