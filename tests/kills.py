@@ -115,8 +115,8 @@ def wait(run: subprocess.Popen, seconds: float) -> None:
         pass
 
 
-def kill(run: subprocess.Popen, chance: random.Random, figures: Figures) -> None:
-    """Send a random signal to a random target and wait until the run has ended."""
+def kill(run: subprocess.Popen, chance: random.Random, figures: Figures) -> bool:
+    """Send a random signal to a random target and wait until the run has ended; returns whether jobs were running."""
     running = jobs(run)
     target = chance.choices(list(TARGETS), list(TARGETS.values()))[0]
     number = chance.choices(list(SIGNALS), list(SIGNALS.values()))[0]
@@ -136,6 +136,7 @@ def kill(run: subprocess.Popen, chance: random.Random, figures: Figures) -> None
         figures.faults.append(f"still running 120 s after {number.name} to the {target}")
         os.killpg(run.pid, signal.SIGKILL)
         run.wait()
+    return bool(running)
 
 
 def wait_for_jobs(run: subprocess.Popen, figures: Figures) -> None:
@@ -150,14 +151,16 @@ def wait_for_jobs(run: subprocess.Popen, figures: Figures) -> None:
     figures.slowest_end = max(figures.slowest_end, time.monotonic() - began)
 
 
-def check_output(folder: Path, figures: Figures, ended_by_itself: bool) -> None:
-    """Faults that the output of a run shows."""
+def check_output(folder: Path, figures: Figures, killed: bool, jobs_ran: bool) -> None:
+    """Faults that the output of a run shows.
+
+    A traceback counts once jobs have run: before the Snakefile is read, Ctrl-C meets Snakemake's own imports.
+    """
     output = (folder / "output.txt").read_text(errors="replace")
-    if ended_by_itself:
+    if not killed:
         figures.faults.append(f"a restart failed:\n{output[-3000:]}")
-    for line in output.splitlines():
-        if "unexpected error" in line:
-            figures.faults.append(line)
+    elif "unexpected error" in output or (jobs_ran and "Traceback" in output):
+        figures.faults.append(f"not one line:\n{output[-3000:]}")
 
 
 def forget(folder: Path, chance: random.Random) -> None:
@@ -200,11 +203,9 @@ def campaign(folder: Path, reference: Path, kills: int, seed: int, minutes: floa
             figures.faults.extend(differences(folder, reference))
             forget(folder, chance)
             continue
-        if finished:
-            figures.finished += 1
-        else:
-            kill(run, chance, figures)
-        check_output(folder, figures, ended_by_itself=finished)
+        figures.finished += finished
+        jobs_ran = not finished and kill(run, chance, figures)
+        check_output(folder, figures, not finished, jobs_ran)
         if chance.random() < 0.5:  # otherwise the next run starts while jobs of this one may still be ending
             wait_for_jobs(run, figures)
         if len(figures.faults) > 20:
