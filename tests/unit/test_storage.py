@@ -174,11 +174,17 @@ def sound(path):
     import soundfile
     with replacing(path) as temporary:
         soundfile.write(temporary, np.zeros(200_000), 16_000)
+def sounds(path):
+    import soundfile
+    with replacing(path) as folder:
+        folder.mkdir()
+        soundfile.write(folder / "1.wav", np.zeros(200_000), 16_000)
 jobs = {
     "t.txt": lambda path: write_text(path, "x" * 300_000),
     "m.safetensors": lambda path: write_model(path, {"x": np.zeros(100_000)}, {}),
     "a.h5": arrays,
     "s.wav": sound,
+    "sounds": sounds,
     "v.mp4": lambda path: encoding.write_video(path, iter(noise), 25.0, np.zeros(20_000)),
 }
 resource.setrlimit(resource.RLIMIT_FSIZE, (100_000, 100_000))
@@ -194,7 +200,7 @@ def test_a_full_disk_is_a_sentence_whatever_is_written(tmp_path):
     """The limit on file sizes stands for the full disk; in a process of its own, since it cannot be lifted again."""
     ran = subprocess.run([sys.executable, "-c", FULL, str(tmp_path)], capture_output=True, text=True)
     assert ran.returncode == 0, ran.stderr
-    for name in ("t.txt", "m.safetensors", "a.h5", "s.wav", "v.mp4"):
+    for name in ("t.txt", "m.safetensors", "a.h5", "s.wav", "sounds", "v.mp4"):
         assert f"{name} cannot write" in ran.stdout, (name, ran.stdout, ran.stderr)
     assert list(tmp_path.iterdir()) == []
 
