@@ -2,11 +2,13 @@ from pathlib import Path
 
 from snakemake.utils import min_version
 
-from visualspeech.jobs import settle_environment
+from visualspeech.jobs import settle_environment, settle_messages, shell_prefix
 
 min_version("9.20")
 
+settle_messages()
 settle_environment(workflow.basedir)
+shell.prefix(shell_prefix())
 
 
 configfile: str(Path(workflow.basedir, "config", "config.yaml"))

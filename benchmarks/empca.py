@@ -22,7 +22,7 @@ def made_rows(folder: str, count: int, dimension: int, seed: int = 1) -> RowFile
     generator = np.random.default_rng(seed)
     axes = generator.standard_normal((200, dimension), dtype=np.float32)
     sizes = (20 / np.arange(1, 201) ** 0.7).astype(np.float32)
-    rows = RowFile(f"{folder}/rows", dimension)
+    rows = RowFile(folder, dimension)
     for start in range(0, count, 500):
         size = min(500, count - start)
         coordinates = generator.standard_normal((size, 200), dtype=np.float32) * sizes

@@ -1,7 +1,7 @@
 """The console command ``visualspeech``: synthesises a video in which a speaker of a finished run says a text.
 
 Errors are reported in one sentence. The exit status is 2 if the command line must be changed, 130 if the command was
-interrupted, and 1 for any other error.
+interrupted (143 or 129 if it was told to end by SIGTERM or SIGHUP), and 1 for any other error.
 """
 
 import argparse
@@ -11,6 +11,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from visualspeech.errors import RejectedUtterance, SettingError, VisualSpeechError
+from visualspeech.interruption import stoppable
 from visualspeech.jobs import log
 
 # torch, dlib and the media libraries are imported only when a command runs, so that help and errors appear at once.
@@ -24,17 +25,16 @@ def main(arguments: Sequence[str] | None = None) -> int:
     log.handlers[:] = [] if given.quiet else [terminal]
     log.setLevel(logging.INFO)
     log.propagate = False
+    logging.raiseExceptions = False  # a closed terminal is no error
     try:
-        given.run(given)
+        with stoppable(_say_stopped):
+            given.run(given)
     except VisualSpeechError as error:
         message = str(error)
         if isinstance(error, RejectedUtterance):
             message = f"{given.audio}: {error.reason}. {error.remedy}".strip()
         print(f"visualspeech: {message}", file=sys.stderr)
         return 2 if isinstance(error, SettingError) else 1
-    except KeyboardInterrupt:
-        print("visualspeech: stopped; nothing was written.", file=sys.stderr)
-        return 130
     except MemoryError:
         print("visualspeech: out of memory. Give a shorter text, or a background of smaller frames.", file=sys.stderr)
         return 1
@@ -47,6 +47,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
         )
         return 1
     return 0
+
+
+def _say_stopped(reason: str) -> None:
+    print("visualspeech: stopped; nothing was written.", file=sys.stderr, flush=True)
 
 
 def _parser() -> argparse.ArgumentParser:

@@ -1,5 +1,7 @@
+import signal
 import subprocess
 import sys
+import time
 import tomllib
 
 import pytest
@@ -91,3 +93,22 @@ def test_the_command_is_installed_with_the_package():
         [sys.executable, "-m", "visualspeech", "--help"], capture_output=True, text=True, cwd=REPOSITORY
     )
     assert done.returncode == 0 and "speak" in done.stdout
+
+
+@pytest.mark.parametrize("number", [signal.SIGHUP, signal.SIGINT, signal.SIGTERM])
+def test_a_signal_is_answered_in_a_sentence_and_leaves_nothing(speaker, tmp_path, number):
+    if signal.getsignal(number) == signal.SIG_IGN:
+        pytest.skip("this signal is ignored here, as under nohup")
+    text = "The boys buy a map of the long road to the sea. " * 20
+    process = subprocess.Popen(
+        [sys.executable, "-m", "visualspeech", "speak", "--model", speaker, "--text", text, "-o", tmp_path / "out.mp4"],
+        stderr=subprocess.PIPE, text=True,
+    )  # fmt: skip
+    while process.poll() is None and not list(tmp_path.glob(".partial.*")):
+        time.sleep(0.01)
+    for _ in range(2):
+        process.send_signal(number)
+    _, said = process.communicate(timeout=20)
+    assert process.returncode == 128 + number
+    assert said.splitlines()[-1] == "visualspeech: stopped; nothing was written." and "Traceback" not in said
+    assert not list(tmp_path.iterdir())

@@ -2,6 +2,8 @@
 
 import logging
 import os
+import subprocess
+import sys
 
 import pytest
 
@@ -50,6 +52,47 @@ def test_memory_that_runs_out_has_a_remedy(tmp_path, capsys):
     with pytest.raises(SystemExit), jobs.job(tmp_path / "x.log"):
         raise MemoryError
     assert "--cores" in capsys.readouterr().err
+
+
+FULL = """
+import os, resource, signal, sys
+from visualspeech.jobs import job, log
+from visualspeech.errors import StorageError
+signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
+resource.setrlimit(resource.RLIMIT_FSIZE, (0, 0))
+with job(sys.argv[1]):
+    log.info("begun")
+    {error}
+"""
+
+
+@pytest.mark.parametrize(
+    ("error", "said"),
+    [
+        ("raise StorageError('cannot write x: the disk is full.')", "cannot write x: the disk is full."),
+        ("raise OSError(28, 'No space left on device', 'y')", "cannot write y: No space left on device. Free space"),
+        ("raise ZeroDivisionError('a defect')", "unexpected error: ZeroDivisionError('a defect')"),
+    ],
+)
+@pytest.mark.parametrize("log", ["logs/x.log", "file/x.log", "/dev/full"])
+def test_a_log_that_cannot_be_written_hides_no_message(tmp_path, error, said, log):
+    """A full disk (the limit on file sizes stands for it), a folder that cannot be made, a device that is full."""
+    (tmp_path / "file").write_text("")
+    ran = subprocess.run(
+        [sys.executable, "-c", FULL.format(error=error), str(tmp_path / log)], capture_output=True, text=True
+    )
+    assert ran.returncode == 1
+    assert said in ran.stderr and "Traceback" not in ran.stderr and "begun" in ran.stderr
+    assert len(ran.stderr.splitlines()) == (3 if log == "file/x.log" else 2)
+
+
+def test_ctrl_c_while_planning_is_one_line():
+    code = "from visualspeech.jobs import settle_messages; settle_messages(); raise {}"
+    for error, lines in (("KeyboardInterrupt", 1), ("ValueError", 4)):
+        ran = subprocess.run([sys.executable, "-c", code.format(error)], capture_output=True, text=True)
+        assert ran.returncode and len(ran.stderr.splitlines()) <= lines
+        assert ("run the same command again" in ran.stderr) == (error == "KeyboardInterrupt")
+        assert ("Traceback" in ran.stderr) == (error == "ValueError")
 
 
 def test_progress_yields_all_and_says_how_far(caplog, monkeypatch):

@@ -1,5 +1,6 @@
 """Files are whole or absent, repeat byte for byte, and say in a sentence what is wrong with them."""
 
+import os
 import subprocess
 import sys
 
@@ -62,9 +63,33 @@ def test_a_failed_block_leaves_the_old_file_and_nothing_else(tmp_path):
 
 
 def test_what_a_killed_job_left_is_replaced(tmp_path):
-    (tmp_path / ".partial.t.txt").write_text("half")
+    killed = subprocess.Popen(["true"])
+    killed.wait()
+    (tmp_path / f".partial.{killed.pid}.t.txt").write_text("half")
+    others = {f".partial.{killed.pid}.other.t.txt", f".partial.{os.getppid()}.t.txt"}  # another file, a living process
+    for name in others:
+        (tmp_path / name).write_text("half")
     write_text(tmp_path / "t.txt", "whole")
-    assert [one.name for one in tmp_path.iterdir()] == ["t.txt"]
+    assert {one.name for one in tmp_path.iterdir()} == {"t.txt", *others}
+
+
+def test_two_processes_do_not_write_into_one_file(tmp_path):
+    """Each has a name of its own, and the last one to finish gives the content."""
+    code = "import sys; from visualspeech.storage.files import replacing\nwith replacing(sys.argv[1]) as path:"
+    code += "\n    path.write_text(sys.argv[2]); print(flush=True); input()"
+    path = tmp_path / "t.txt"
+    first, second = (
+        subprocess.Popen(
+            [sys.executable, "-c", code, path, word], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True
+        )
+        for word in ("first", "second")
+    )
+    for process in (first, second):
+        process.stdout.readline()
+    for process, word in ((second, "second"), (first, "first")):
+        process.communicate("\n", timeout=20)
+        assert process.returncode == 0 and path.read_text() == word
+    assert os.listdir(tmp_path) == ["t.txt"]
 
 
 def test_a_folder_is_replaced_as_a_whole(tmp_path):
@@ -145,10 +170,21 @@ def arrays(path):
     with ArrayWriter(path) as out:
         out.add("a", {"x": np.zeros(200_000)}, rate=1.0)
         out.add("b", {"x": np.zeros(200_000)}, rate=1.0)
+def sound(path):
+    import soundfile
+    with replacing(path) as temporary:
+        soundfile.write(temporary, np.zeros(200_000), 16_000)
+def sounds(path):
+    import soundfile
+    with replacing(path) as folder:
+        folder.mkdir()
+        soundfile.write(folder / "1.wav", np.zeros(200_000), 16_000)
 jobs = {
     "t.txt": lambda path: write_text(path, "x" * 300_000),
     "m.safetensors": lambda path: write_model(path, {"x": np.zeros(100_000)}, {}),
     "a.h5": arrays,
+    "s.wav": sound,
+    "sounds": sounds,
     "v.mp4": lambda path: encoding.write_video(path, iter(noise), 25.0, np.zeros(20_000)),
 }
 resource.setrlimit(resource.RLIMIT_FSIZE, (100_000, 100_000))
@@ -164,9 +200,17 @@ def test_a_full_disk_is_a_sentence_whatever_is_written(tmp_path):
     """The limit on file sizes stands for the full disk; in a process of its own, since it cannot be lifted again."""
     ran = subprocess.run([sys.executable, "-c", FULL, str(tmp_path)], capture_output=True, text=True)
     assert ran.returncode == 0, ran.stderr
-    for name in ("t.txt", "m.safetensors", "a.h5", "v.mp4"):
+    for name in ("t.txt", "m.safetensors", "a.h5", "s.wav", "sounds", "v.mp4"):
         assert f"{name} cannot write" in ran.stdout, (name, ran.stdout, ran.stderr)
     assert list(tmp_path.iterdir()) == []
+
+
+def test_an_error_that_is_not_of_the_disk_stays_what_it_is(tmp_path):
+    for made in (lambda path: path.write_text(""), lambda path: path.mkdir(), lambda path: None):
+        with pytest.raises(ZeroDivisionError), replacing(tmp_path / "x") as temporary:
+            made(temporary)
+            raise ZeroDivisionError
+    assert not list(tmp_path.iterdir())
 
 
 def test_whether_a_file_can_be_written_is_known_before(tmp_path):

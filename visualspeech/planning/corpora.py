@@ -1,16 +1,14 @@
 """The plan of a corpus, made before any job: its utterances, their shards, split and speakers. Writes nothing."""
 
-import fcntl
 from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass
 from functools import cache
-from pathlib import Path
 
 from visualspeech.corpora.adapters import list_utterances
 from visualspeech.corpora.files import recordings_digest
 from visualspeech.corpora.records import Utterance, legal_id, shard_of
 from visualspeech.corpora.split import split_utterances
-from visualspeech.errors import CorpusError, StorageError
+from visualspeech.errors import CorpusError
 
 
 @dataclass(frozen=True)
@@ -128,33 +126,3 @@ def _gives(utterances: list[Utterance]) -> frozenset[str]:
         "emotion": any(one.emotion for one in utterances),
     }
     return frozenset(name for name, there in given.items() if there)
-
-
-def hold(folder: str):
-    """Hold a corpus's result folder for this process; the operating system releases it when the process ends.
-
-    Returns the open lock file, to be kept for as long as the folder is held.
-
-    Raises
-    ------
-    StorageError
-        Another run holds the folder, or it cannot be written.
-    """
-    path = Path(folder)
-    try:
-        path.mkdir(parents=True, exist_ok=True)
-        lock = open(path / ".lock", "w")  # noqa: SIM115 - held open on purpose
-    except OSError as error:
-        raise StorageError(
-            f"cannot write to the results folder {path.resolve()}: {error.strerror}. Give yourself the right to write "
-            "there, or choose another folder with `results` or --directory."
-        ) from error
-    try:
-        fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
-    except OSError:
-        lock.close()
-        raise StorageError(
-            f"another run is using {path.resolve()}. Wait until it has ended, stop it, or choose another folder with "
-            "`results` or --directory."
-        ) from None
-    return lock

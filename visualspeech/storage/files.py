@@ -7,15 +7,16 @@ from contextlib import contextmanager
 from pathlib import Path
 from tempfile import TemporaryFile
 
-from visualspeech.errors import StorageError
+from visualspeech.errors import StorageError, VisualSpeechError
+from visualspeech.unfinished import partial_of, remove, remove_leftovers, rename, target_of, unfinished
 
 
 def write_error(error: OSError, path: Path) -> StorageError:
     """The error of a file or folder that cannot be written."""
     reason = os.strerror(error.errno) if error.errno else error.strerror or str(error)
     return StorageError(
-        f"cannot write {path}: {reason}. Check that the folder exists, that you may write to it and that the disk is "
-        "not full; then run the same command again, finished work is kept."
+        f"cannot write {target_of(path)}: {reason}. Check that the folder exists, that you may write to it and that "
+        "the disk is not full; then run the same command again, finished work is kept."
     )
 
 
@@ -24,7 +25,8 @@ def replacing(path: str | Path) -> Iterator[Path]:
     """Yield a temporary path in the folder of ``path``; rename it to ``path`` when the block succeeds.
 
     The temporary path keeps the suffix of ``path``, by which libraries choose the format, and is removed on failure.
-    Works for files and for folders (create the folder at the yielded path).
+    What a killed process left of ``path`` is removed too. Works for files and for folders (create the folder at the
+    yielded path).
 
     Raises
     ------
@@ -32,24 +34,43 @@ def replacing(path: str | Path) -> Iterator[Path]:
         The folder is read-only, the disk is full, or the path cannot be created.
     """
     path = Path(path)
-    temporary = None
+    temporary = partial_of(path)
     try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        remove_leftovers(path)
+        remove(temporary)
+    except OSError as error:
+        raise write_error(error, path) from error
+    with unfinished(temporary):
         try:
-            path.parent.mkdir(parents=True, exist_ok=True)
-            # The name is fixed, so that the next run replaces what a killed job left behind.
-            temporary = path.with_name(f".partial.{path.name}")
-            _remove(temporary)
             yield temporary
-            if temporary.is_dir():
-                _remove(path)
-            os.replace(temporary, path)
+            rename(temporary, path)
         except OSError as error:
             if _is_unrelated(error, path, temporary):
                 raise
             raise write_error(error, path) from error
-    finally:
-        if temporary is not None:
-            _remove(temporary)
+        except VisualSpeechError:
+            raise
+        except Exception as error:
+            # Libraries have exceptions of their own for a failed write (soundfile, SafetensorError), which say no more.
+            try:
+                _append(temporary)
+            except OSError as cause:
+                raise write_error(cause, path) from error
+            raise
+
+
+def _append(path: Path, size: int = 1 << 20) -> None:
+    """Try to write more into an unfinished file or folder; raises OSError where the disk is full."""
+    if path.is_dir():
+        with TemporaryFile(dir=path) as file:
+            file.write(bytes(size))
+    elif path.exists():
+        with path.open("ab") as file:
+            file.write(bytes(size))
+    else:
+        with TemporaryFile(dir=path.parent) as file:
+            file.write(bytes(size))
 
 
 def check_writable(path: str | Path) -> None:
@@ -70,20 +91,13 @@ def check_writable(path: str | Path) -> None:
         raise write_error(error, path) from error
 
 
-def _is_unrelated(error: OSError, path: Path, temporary: Path | None) -> bool:
+def _is_unrelated(error: OSError, path: Path, temporary: Path) -> bool:
     """Whether an error is about a file other than ``path`` and its temporary file, for example one that is read."""
     if not isinstance(error.filename, str | bytes | os.PathLike):
         return False
     named = Path(os.fsdecode(error.filename))
     ours = {path, *path.parents, temporary}
     return named not in ours and temporary not in named.parents
-
-
-def _remove(path: Path) -> None:
-    if path.is_dir() and not path.is_symlink():
-        shutil.rmtree(path, ignore_errors=True)
-    else:
-        path.unlink(missing_ok=True)
 
 
 def write_text(path: str | Path, text: str) -> None:

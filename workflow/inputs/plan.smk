@@ -5,7 +5,8 @@ from snakemake.exceptions import WorkflowError
 from snakemake.io import strip_wildcard_constraints
 
 from visualspeech.errors import VisualSpeechError
-from visualspeech.planning.corpora import hold
+from visualspeech.jobs import settle_locks
+from visualspeech.locks import hold
 from visualspeech.planning.run import plan_run
 from visualspeech.provenance import code_digest, digest
 
@@ -26,10 +27,12 @@ LOCKS = []
 
 def hold_corpora():
     """Hold the result folder of every corpus of the run; called when jobs are about to start."""
+    folders = [f"{SETTINGS['results']}/{name}" for name in PLAN.corpora]
     try:
-        LOCKS.extend(hold(f"{SETTINGS['results']}/{name}") for name in PLAN.corpora)
+        LOCKS.extend(map(hold, folders))
     except VisualSpeechError as error:
         raise WorkflowError(str(error))
+    settle_locks(folders)
 
 
 def one_of(names):

@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator, Mapping
 from pathlib import Path
+from tempfile import TemporaryFile, gettempdir
 
 import numpy as np
 
@@ -9,16 +10,24 @@ from visualspeech.errors import DataError, StorageError
 
 
 class RowFile:
-    """Rows (n, d) of float32 in a file, of which one chunk at a time is in memory.
+    """Rows (n, d) of float32 in an unnamed temporary file, of which one chunk at a time is in memory.
 
     ``append`` while writing, then :meth:`chunks` as often as needed. Plain reads are used and not a memory map, so
-    that pages of the file do not count as memory of the process. The file is scratch: the caller removes its folder
-    (``tempfile.TemporaryDirectory``).
+    that pages of the file do not count as memory of the process. The system deletes the file when it is no longer used,
+    also when the process is killed.
+
+    Parameters
+    ----------
+    folder : folder of the file; None for the system's folder of temporary files
+    dimension : d
     """
 
-    def __init__(self, path: str | Path, dimension: int) -> None:
-        self.path, self.dimension, self.count = Path(path), dimension, 0
-        self.path.write_bytes(b"")
+    def __init__(self, folder: str | Path | None, dimension: int) -> None:
+        self.folder, self.dimension, self.count = Path(folder or gettempdir()), dimension, 0
+        try:
+            self._file = TemporaryFile(prefix="visualspeech.", dir=self.folder)
+        except OSError as error:
+            raise self._write_error(error) from error
 
     @property
     def shape(self) -> tuple[int, int]:
@@ -27,22 +36,27 @@ class RowFile:
     def append(self, rows: np.ndarray) -> None:
         if rows.shape[1] != self.dimension:
             raise DataError(f"rows of {rows.shape[1]} values given to a file of rows of {self.dimension}")
+        rows = np.ascontiguousarray(rows, np.float32)
         try:
-            with self.path.open("ab") as file:
-                np.ascontiguousarray(rows, np.float32).tofile(file)
+            self._file.seek(4 * self.count * self.dimension)
+            rows.tofile(self._file)
+            self._file.flush()
         except OSError as error:
-            raise StorageError(
-                f"cannot write {self.path}: {error.strerror or error}. Free {rows.nbytes * 100 / 1e9:.0f} GB or more "
-                "there, or point TMPDIR to a larger disk, and run again."
-            ) from error
+            raise self._write_error(error) from error
         self.count += len(rows)
 
     def chunks(self, size: int = 512) -> Iterator[np.ndarray]:
         """The rows in order, at most ``size`` at a time, (m, d) float32 each."""
-        with self.path.open("rb") as file:
-            for start in range(0, self.count, size):
-                rows = min(size, self.count - start)
-                yield np.fromfile(file, np.float32, rows * self.dimension).reshape(rows, self.dimension)
+        for start in range(0, self.count, size):
+            rows = min(size, self.count - start)
+            self._file.seek(4 * start * self.dimension)
+            yield np.fromfile(self._file, np.float32, rows * self.dimension).reshape(rows, self.dimension)
+
+    def _write_error(self, error: OSError) -> StorageError:
+        return StorageError(
+            f"cannot write temporary files in {self.folder}: {error.strerror or error}. Free space there, or set the "
+            "environment variable TMPDIR to another folder, and run again."
+        )
 
 
 class ArrayRows:

@@ -1,8 +1,6 @@
 """Training of an AAM on the files of training utterances."""
 
-import tempfile
 from collections.abc import Sequence
-from pathlib import Path
 
 import numpy as np
 
@@ -26,7 +24,7 @@ def fit_aam(
     """Train an :class:`~visualspeech.face.aam.model.Aam` on frames drawn from training utterances, drift removed.
 
     Memory does not grow with the number of utterances: the textures drawn are kept in a scratch file (4 bytes per
-    value, 1.4 GB for 20,000 x 18,000), which is removed at the end.
+    value, 1.4 GB for 20,000 x 18,000), which the system deletes at the end.
 
     Parameters
     ----------
@@ -50,17 +48,16 @@ def fit_aam(
         raise DataError("no training frames: every training utterance was rejected or is empty")
     settings.check_possible(sum(map(len, chosen.values())), points.freedom)
     corpus = corpus_reference(reference_face(arrays, name) for name in ids)
-    with tempfile.TemporaryDirectory(prefix="visualspeech-aam-", dir=folder) as scratch:
-        textures = RowFile(Path(scratch) / "textures.f32", len(corpus.texture))
-        shapes = []
-        for name, frames in progress(chosen.items(), len(chosen), "utterances read"):
-            own = reference_face(arrays, name)
-            for start in range(0, int(frames[-1]) + 1, _CHUNK):
-                inside = frames[(frames >= start) & (frames < start + _CHUNK)] - start
-                rows = slice(start, start + _CHUNK)
-                shape = arrays.array(name, "shape", rows)[inside]
-                texture = arrays.array(name, "texture", rows)[inside]
-                shape, texture = remove(shape, texture, own, corpus)
-                shapes.append(shape)
-                textures.append(texture)
-        return fit(np.concatenate(shapes), textures, points, settings, corpus)
+    textures = RowFile(folder, len(corpus.texture))
+    shapes = []
+    for name, frames in progress(chosen.items(), len(chosen), "utterances read"):
+        own = reference_face(arrays, name)
+        for start in range(0, int(frames[-1]) + 1, _CHUNK):
+            inside = frames[(frames >= start) & (frames < start + _CHUNK)] - start
+            rows = slice(start, start + _CHUNK)
+            shape = arrays.array(name, "shape", rows)[inside]
+            texture = arrays.array(name, "texture", rows)[inside]
+            shape, texture = remove(shape, texture, own, corpus)
+            shapes.append(shape)
+            textures.append(texture)
+    return fit(np.concatenate(shapes), textures, points, settings, corpus)

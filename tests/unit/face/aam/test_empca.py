@@ -103,10 +103,11 @@ def test_moments_do_not_cancel_far_from_zero():
 
 def test_same_seed_same_bytes_from_file_or_memory(tmp_path):
     rows = _rows(1700, 40)
-    file = RowFile(tmp_path / "rows", 40)
+    file = RowFile(tmp_path, 40)
     for start in range(0, len(rows), 333):
         file.append(rows[start : start + 333])
     assert file.shape == rows.shape
+    assert list(tmp_path.iterdir()) == []  # nothing that a killed process could leave
     assert [len(chunk) for chunk in file.chunks(1000)] == [1000, 700]
     one, two = em_pca(file, components=6, seed=3), em_pca(ArrayRows(rows), components=6, seed=3)
     for a, b in zip(one, two, strict=True):
