@@ -8,8 +8,11 @@ from visualspeech.errors import VisualSpeechError
 from visualspeech.planning.corpora import hold
 from visualspeech.planning.run import plan_run
 from visualspeech.provenance import code_digest, digest
+from visualspeech.settings import check_overlays
 
 try:
+    if workflow.is_main_process:
+        check_overlays(workflow.configfiles)
     PLAN = plan_run(config, Path(workflow.basedir, "config"))
 except VisualSpeechError as error:
     raise WorkflowError(str(error))

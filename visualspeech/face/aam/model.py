@@ -33,7 +33,8 @@ from visualspeech.storage.models import read_model_of, write_model
 KIND = "aam"
 WEIGHTINGS = ("variance", "none")
 _CHUNK = 256  # frames encoded at a time
-MOST_COMPONENTS = 100_000
+#: A component has as many values as a texture; more than these fill the memory of a small machine.
+MOST_COMPONENTS = 2000
 #: One analysis keeps a share of the variance (perhaps capped), or a number of components.
 TARGET = {
     "type": "object",
