@@ -115,6 +115,7 @@ def _laid(path: tuple, value) -> dict:
     if path[:1] == ("corpora",) and len(path) > 1:
         settings["corpora"][0][path[2]] = value
         return settings
+    settings["override"]["systems"]["fan2015"]["videos"]["model"] = ""  # no row is named where rows change
     within = settings
     for key in path[:-1]:
         within = within.setdefault(key, {})
