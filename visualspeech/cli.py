@@ -5,14 +5,21 @@ interrupted (143 or 129 if it was told to end by SIGTERM or SIGHUP), and 1 for a
 """
 
 import argparse
+import errno
 import logging
+import os
+import stat
 import sys
 from collections.abc import Sequence
 from pathlib import Path
 
 from visualspeech.errors import RejectedUtterance, SettingError, VisualSpeechError
+from visualspeech.fields import MAX_SEED, shortened
 from visualspeech.interruption import stoppable
 from visualspeech.jobs import log
+
+#: Bytes of the name and path of a video; it is written under a temporary name, which is up to 17 bytes longer.
+MAX_NAME, MAX_PATH = 238, 4000
 
 # torch, dlib and the media libraries are imported only when a command runs, so that help and errors appear at once.
 
@@ -86,25 +93,24 @@ def _parser() -> argparse.ArgumentParser:
 
 def _speak(given: argparse.Namespace) -> None:
     from visualspeech.speech.sentences import check_pronounceable
-    from visualspeech.storage.files import check_writable
+    from visualspeech.speech.spoken_settings import VoiceSettings
 
     text = _text(given)
-    if given.output.suffix.lower() != ".mp4":
-        raise SettingError(f"--output {given.output}: videos are written as MP4; give a name that ends in .mp4.")
-    if given.output.is_dir():
-        raise SettingError(f"--output {given.output} is a folder; give the name of the video file.")
-    if given.seed < 0:
-        raise SettingError(f"--seed {given.seed}: give a number of 0 or more.")
-    check_writable(given.output)
+    if not 0 <= given.seed <= MAX_SEED:
+        raise SettingError(f"--seed {shortened(given.seed)}: give a number from 0 to {MAX_SEED}.")
+    voice_settings = VoiceSettings(given.voice, given.speed, given.pitch)
+    if given.model.is_file():
+        raise SettingError(f"--model {given.model} is a file; give the folder that holds speaker.json.")
     if text is not None:
         check_pronounceable(text)  # before anything is loaded
+    _check_audio(given.audio)
+    _check_output(given)
     from visualspeech.animation.bundle import SpeakerBundle
     from visualspeech.animation.performance import perform
     from visualspeech.animation.speaking import speak
     from visualspeech.animation.speaking_settings import SpeakSettings
     from visualspeech.animation.walk import WalkSettings
     from visualspeech.speech.spoken import speak_recording, speak_text
-    from visualspeech.speech.spoken_settings import VoiceSettings
 
     bundle = SpeakerBundle.load(given.model)
     if given.audio:
@@ -113,8 +119,7 @@ def _speak(given: argparse.Namespace) -> None:
         spoken = speak_recording(given.audio, text, bundle.trained.rate, shares=bundle.shares)
         voice = f"recording {given.audio.name}, as given"
     else:
-        settings = VoiceSettings(given.voice, given.speed, given.pitch)
-        spoken = speak_text(text, settings, bundle.shares)
+        spoken = speak_text(text, voice_settings, bundle.shares)
         voice = f"synthetic (eSpeak NG, {given.voice})"
     settings = SpeakSettings(label=not given.no_label, walk=WalkSettings(seed=given.seed))
     performance = perform(spoken, bundle.trained, bundle.rest)
@@ -123,21 +128,93 @@ def _speak(given: argparse.Namespace) -> None:
 
 
 def _text(given: argparse.Namespace) -> str | None:
+    from visualspeech.speech.sentences import decoded, read_text
+
     if given.text is not None and given.text_file is not None:
         raise SettingError("--text and --text-file are both given; give one of them.")
     if given.text is not None:
         return given.text
     if given.text_file is not None:
         try:
-            if str(given.text_file) == "-":
-                return sys.stdin.read()
-            return given.text_file.read_text(encoding="utf-8-sig")
-        except (OSError, UnicodeDecodeError) as error:
-            reason = getattr(error, "strerror", None) or "it is not UTF-8 text"
-            raise SettingError(f"cannot read --text-file {given.text_file}: {reason}.") from error
+            return decoded(sys.stdin.buffer) if str(given.text_file) == "-" else read_text(given.text_file)
+        except SettingError as error:
+            raise SettingError(f"cannot read --text-file {given.text_file}: {error}") from error
     if given.audio is not None:
         return None
     raise SettingError("there is nothing to say; give --text, --text-file or --audio.")
+
+
+def _check_audio(path: Path | None) -> None:
+    """Check that a recording is a file that can be read; addresses of other kinds are never opened."""
+    if path is None:
+        return
+    try:
+        regular = stat.S_ISREG(path.stat().st_mode)
+        if regular:
+            path.open("rb").close()
+    except OSError as error:
+        missing = error.errno in (errno.ENOENT, errno.ENOTDIR)
+        reason = "the file does not exist" if missing else f"cannot be read ({error.strerror})"
+        raise RejectedUtterance(reason, "Give the path of a sound or video file.") from error
+    if not regular:
+        raise RejectedUtterance("this is not a regular file", "Give the path of a sound or video file.")
+
+
+def _check_output(given: argparse.Namespace) -> None:
+    """Check that the video can be written, and that it replaces nothing but a file that is no input.
+
+    Raises
+    ------
+    SettingError
+        Another name must be given.
+    StorageError
+        The file cannot be written.
+    """
+    from visualspeech.storage.files import check_writable
+
+    path = given.output
+    if path.suffix.lower() != ".mp4":
+        raise SettingError(f"--output {path}: videos are written as MP4; give a name that ends in .mp4.")
+    size = len(os.fsencode(path.name))
+    if size > MAX_NAME:
+        raise SettingError(f"--output: the name of the file has {size} bytes; give one of at most {MAX_NAME}.")
+    if any(len(os.fsencode(part)) > 255 for part in path.parts) or len(os.fsencode(path.absolute())) > MAX_PATH:
+        raise SettingError(
+            f"--output: a path has at most {MAX_PATH} bytes, and the name of a folder at most 255; give a shorter one."
+        )
+    if any("\ud800" <= character <= "\udfff" for character in str(path)):
+        raise SettingError(f"--output {shortened(path)}: the path is not UTF-8 text; give another.")
+    if path.is_dir():
+        raise SettingError(f"--output {path} is a folder; give the name of the video file.")
+    if path.exists() and not path.is_file():
+        raise SettingError(f"--output {path} is a device or pipe; give the name of a file.")
+    inputs = {"--audio": given.audio, "--text-file": given.text_file}
+    same = next((option for option, one in inputs.items() if one is not None and _is_same(path, one)), None)
+    if same:
+        raise SettingError(f"--output {path} is the file of {same}, which would be replaced; give another name.")
+    if _is_part(path, given.model):
+        raise SettingError(f"--output {path} is a part of the speaker {given.model}; give another name.")
+    check_writable(path)
+
+
+def _is_same(path: Path, other: Path) -> bool:
+    """Whether two paths lead to one file, by whatever links and spellings."""
+    if os.path.realpath(path) == os.path.realpath(other):
+        return True
+    try:
+        return os.path.samefile(path, other)
+    except OSError:
+        return False
+
+
+def _is_part(path: Path, folder: Path) -> bool:
+    """Whether a file lies in a folder, also by a link, or is one of its files."""
+    try:
+        return os.path.realpath(folder) in map(os.path.realpath, path.absolute().parents) or any(
+            _is_same(path, one) for one in folder.iterdir()
+        )
+    except OSError:  # there is no such folder
+        return False
 
 
 if __name__ == "__main__":

@@ -40,15 +40,16 @@ def setting(default, description: str, *, choices: Collection = (), item: Mappin
     choices : allowed values; empty for any. A registry (a mapping by name) is read at each check
     item : for a list, the rules of its entries as keywords of this function (``minimum``, ``choices``, ...) with their
         ``description``; for a mapping, its JSON Schema
-    bounds : ``minimum``, ``maximum``, ``above``, ``below`` of a number; ``min_items`` and ``unique`` of a list;
-        ``min_length`` of a text, and ``pattern``: a regular expression that all of it matches
+    bounds : ``minimum``, ``maximum``, ``above``, ``below`` of a number; ``min_items``, ``unique`` and
+        ``max_items`` of a list; ``min_length`` and ``max_length`` of a text, and ``pattern``: a regular expression that
+        all of it matches
 
     Raises
     ------
     TypeError
         A bound is unknown.
     """
-    unknown = set(bounds) - {*_BOUNDS, "min_items", "unique", "min_length", "pattern"}
+    unknown = set(bounds) - {*_BOUNDS, "min_items", "max_items", "unique", "min_length", "max_length", "pattern"}
     if unknown:
         raise TypeError(f"unknown bounds of a setting: {', '.join(sorted(unknown))}")
     metadata = {"description": description, "choices": choices, "item": dict(item or {}), **bounds}
@@ -110,7 +111,7 @@ def setting_error(cls, name: str, value, rule: str) -> FieldError:
     key = f"{cls.section}.{name}" if cls.section else name
     shown = list(value) if isinstance(value, tuple) else value
     description = next((metadata["description"] for one, _, metadata in described_fields(cls) if one == name), "")
-    return FieldError(key, f": {shown}` must be {rule}{':' if rule == FORM else '.'} {description}".rstrip())
+    return FieldError(key, f": {shortened(shown)}` must be {rule}{':' if rule == FORM else '.'} {description}".rstrip())
 
 
 @cache
@@ -136,6 +137,8 @@ def _broken_rule(value, kind, metadata: Mapping) -> str:
         return f"one of {', '.join(map(str, choices))}"
     if kind is str and len(value) < metadata.get("min_length", 0):
         return "a text that is not empty"
+    if kind is str and len(value) > metadata.get("max_length", math.inf):
+        return f"a text of at most {metadata['max_length']} characters"
     if kind is str and "pattern" in metadata and not re.fullmatch(metadata["pattern"], value):
         return FORM
     inside = all(holds(value, metadata[name]) for name, (_, holds, _) in _BOUNDS.items() if name in metadata)
@@ -153,6 +156,9 @@ def _broken_list_rule(values, kind, metadata: Mapping) -> str:
     minimum = metadata.get("min_items", 0)
     if len(values) < minimum:
         return f"a list of at least {minimum} {'entry' if minimum == 1 else 'entries'}"
+    maximum = metadata.get("max_items", math.inf)
+    if len(values) > maximum:
+        return f"a list of at most {maximum} {'entry' if maximum == 1 else 'entries'}"
     for value in values:
         rule = _broken_rule(value, kind, metadata["item"])
         if rule:
@@ -162,9 +168,23 @@ def _broken_list_rule(values, kind, metadata: Mapping) -> str:
     return ""
 
 
+def is_finite(value: float) -> bool:
+    """Whether a number is neither infinite nor NaN; unlike ``math.isfinite`` it takes whole numbers of any size."""
+    return isinstance(value, int) or math.isfinite(value)
+
+
+def shortened(value, most: int = 80) -> str:
+    """A value as text for a message, cut where it is long."""
+    try:
+        text = str(value).encode("utf-8", "backslashreplace").decode()
+    except ValueError:  # Python does not write whole numbers of thousands of digits
+        return "(a number of thousands of digits)"
+    return text if len(text) <= most else f"{text[:most]} ..."
+
+
 def _is_number(value, kind) -> bool:
     allowed = int if kind is int else int | float
-    return isinstance(value, allowed) and not isinstance(value, bool) and math.isfinite(value)
+    return isinstance(value, allowed) and not isinstance(value, bool) and is_finite(value)
 
 
 def section_schema(cls, description: str = "", hidden: Sequence[str] = ()) -> dict:
@@ -209,10 +229,12 @@ def _field_schema(kind, metadata: Mapping) -> dict:
     elif origin in (tuple, list):
         schema |= {"type": "array", "items": _field_schema(get_args(kind)[0], metadata["item"])}
         schema |= {"minItems": metadata["min_items"]} if "min_items" in metadata else {}
+        schema |= {"maxItems": metadata["max_items"]} if "max_items" in metadata else {}
         schema |= {"uniqueItems": True} if metadata.get("unique") else {}
     else:  # a mapping, whose schema is given by its field
         schema |= metadata["item"] or {"type": "object"}
     schema |= {"minLength": metadata["min_length"]} if "min_length" in metadata else {}
+    schema |= {"maxLength": metadata["max_length"]} if "max_length" in metadata else {}
     schema |= {"pattern": rf"^(?:{metadata['pattern']})\Z"} if "pattern" in metadata else {}
     return schema | {keyword: metadata[name] for name, (keyword, _, _) in _BOUNDS.items() if name in metadata}
 

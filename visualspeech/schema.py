@@ -18,7 +18,7 @@ from pathlib import Path
 import yaml
 
 from visualspeech.errors import SettingError
-from visualspeech.fields import FORM, section_schema, with_defaults
+from visualspeech.fields import FORM, is_finite, section_schema, shortened, with_defaults
 
 PACKAGE = __name__.partition(".")[0]
 _KINDS = {
@@ -29,6 +29,9 @@ _KINDS = {
     "array": "a list",
     "object": "lines of `key: value`",
 }
+MAX_MISTAKES = 50  # sentences for the mistakes of one part of the settings
+MAX_WORD = 100  # characters of a word that is compared with the known ones
+_MOST_DIGITS = 30  # of a number that is suggested
 _BOOLEANS = " (YAML reads no, yes, on and off as false and true; put a text in quotes)"
 _LIMITS = {
     "minimum": "at least {}",
@@ -160,10 +163,13 @@ def mistakes(settings: Mapping, schema: Mapping, where: str = "") -> list[str]:
 
     Returns
     -------
-    One sentence per error, in the order of the keys' paths.
+    One sentence per error, in the order of the keys' paths; after :data:`MAX_MISTAKES` the number of the others.
     """
     problems = sorted(_validator()(schema).iter_errors(settings), key=lambda error: list(map(str, error.absolute_path)))
-    return list(dict.fromkeys(sentence for problem in problems for sentence in _sentences(problem, where)))
+    found = [sentence for problem in problems[:MAX_MISTAKES] for sentence in _sentences(problem, where)]
+    more = len(found[MAX_MISTAKES:]) + len(problems[MAX_MISTAKES:])
+    further = [f"{more} further mistakes in `{where}`." if where else f"{more} further mistakes."] if more else []
+    return [*dict.fromkeys(found[:MAX_MISTAKES]), *further]
 
 
 @cache
@@ -178,7 +184,7 @@ def _validator():
 
 def did_you_mean(word: str, known: Sequence[str]) -> str:
     """A question with the known word nearest to a mistyped one; empty if none is similar."""
-    close = difflib.get_close_matches(word, known, n=1)
+    close = difflib.get_close_matches(word, known, n=1) if len(word) <= MAX_WORD else []
     return f" Did you mean `{close[0]}`?" if close else ""
 
 
@@ -186,11 +192,11 @@ def unknown(key: str, word: str, known: Sequence[str], what: str = "") -> str:
     """A sentence that says that a word, given for a key, is not among the known ones; ``what`` it is no one of."""
     said = f"is no {what}" if what else "is not known"
     listed = f" Known: {', '.join(map(str, known))}." if known else " There is none."
-    return f"`{key}: {word}` {said}.{did_you_mean(str(word), list(map(str, known)))}{listed}"
+    return f"`{key}: {shortened(word)}` {said}.{did_you_mean(str(word), list(map(str, known)))}{listed}"
 
 
 def _is_number(value, kind) -> bool:
-    return isinstance(value, kind) and not isinstance(value, bool) and math.isfinite(value)
+    return isinstance(value, kind) and not isinstance(value, bool) and is_finite(value)
 
 
 def _sentences(problem, above: str) -> list[str]:
@@ -218,7 +224,7 @@ def _sentences(problem, above: str) -> list[str]:
 
 
 def _unknown_key(where: str, key, known: Sequence[str]) -> str:
-    name = _shown(key) if isinstance(key, bool) else str(key)
+    name = _shown(key) if isinstance(key, bool) else shortened(key)
     quotes = _BOOLEANS if isinstance(key, bool) else ""
     listed = f" Known here: {', '.join(known)}." if known else ""
     return f"unknown setting `{_below(where, name)}`{quotes}.{did_you_mean(name, known)}{listed}"
@@ -244,6 +250,8 @@ def _rule(problem) -> str:
     if rule == "uniqueItems":
         twice = [item for number, item in enumerate(value) if item in value[:number]]
         return f"names {_shown(twice[0])} more than once; give each once"
+    if rule in ("minProperties", "maxProperties"):
+        return f"must have at {'least' if rule == 'minProperties' else 'most'} {limit} keys"
     if rule in ("minItems", "maxItems"):
         most = "at least" if rule == "minItems" else "at most"
         return f"must have {most} {limit} {'entry' if limit == 1 else 'entries'}"
@@ -281,13 +289,16 @@ def _suggestion(kind: str, value) -> str:
             meant = Decimal(str(value))
         except InvalidOperation:
             return ""
-        if meant.is_finite() and (kind == "number" or meant == meant.to_integral_value()):
+        short = len(meant.as_tuple().digits) <= _MOST_DIGITS and abs(meant.adjusted()) <= _MOST_DIGITS
+        if meant.is_finite() and short and (kind == "number" or meant == meant.to_integral_value()):
             return f"; write {int(meant) if meant == int(meant) else format(meant, 'f')}"
     return ""
 
 
 def _shown(value) -> str:
-    """A value as YAML writes it, on one line."""
+    """A value as YAML writes it, on one line; a long one is cut."""
+    if isinstance(value, int) and not isinstance(value, bool):
+        return shortened(value)
     text = yaml.safe_dump(value, default_flow_style=True, allow_unicode=True, width=math.inf, sort_keys=False)
     text = text.strip().removesuffix("...").strip()
     return text if len(text) <= 80 else text[:80] + " ..."

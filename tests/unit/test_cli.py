@@ -1,3 +1,5 @@
+import io
+import os
 import signal
 import subprocess
 import sys
@@ -84,6 +86,111 @@ def test_a_sound_without_these_words_is_told(speaker, tmp_path, capsys):
     text = "This sentence is much too long to be said in a quarter of a second, whoever speaks."
     status, error = told(capsys, "--model", speaker, "--audio", sound, "--text", text, "-o", tmp_path / "out.mp4")
     assert status == 1 and "tone.wav: the words of the transcript" in error and "Listen to it" in error
+
+
+def contents(folder):
+    return {path.name: path.read_bytes() for path in sorted(folder.iterdir()) if path.is_file()}
+
+
+def test_an_output_never_replaces_an_input(speaker, tmp_path, capsys, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    for name in ("mine.mp4", "said.mp4"):
+        (tmp_path / name).write_text("Hello.")
+    (tmp_path / "hard.mp4").hardlink_to("mine.mp4")
+    (tmp_path / "soft.mp4").symlink_to("mine.mp4")
+    (tmp_path / "model").symlink_to(speaker)
+    (tmp_path / "part.mp4").hardlink_to(speaker / "model.safetensors")
+    before, parts = contents(tmp_path), contents(speaker)
+    (tmp_path / "sub").mkdir()
+    audio, model = ["--model", speaker, "--audio", "mine.mp4"], ["--model", "model", "--text", "Hello."]
+    for arguments, outputs, said in [
+        (
+            audio,
+            ["mine.mp4", "./mine.mp4", tmp_path / "mine.mp4", "sub/../mine.mp4", "hard.mp4", "soft.mp4"],
+            "--audio",
+        ),
+        (["--model", speaker, "--text-file", "said.mp4"], ["said.mp4"], "--text-file"),
+        (model, ["model/new.mp4", speaker / "new.mp4", "part.mp4", "model/sub/x.mp4"], "a part of the speaker"),
+    ]:
+        for output in outputs:
+            status, error = told(capsys, *arguments, "-o", output)
+            assert status == 2 and said in error and "give another name" in error, error
+    assert contents(tmp_path) == before and contents(speaker) == parts
+
+
+@pytest.mark.parametrize(
+    ("arguments", "status", "said"),
+    [
+        (["-o", "x" * 248 + ".mp4"], 2, "has 252 bytes; give one of at most 238"),
+        (["-o", "x" * 296 + ".mp4"], 2, "has 300 bytes; give one of at most 238"),
+        (["-o", "y" * 256 + "/x.mp4"], 2, "the name of a folder at most 255"),
+        (["-o", "y/" * 2500 + "x.mp4"], 2, "a path has at most 4000 bytes"),
+        (["-o", "pipe.mp4"], 2, "is a device or pipe"),
+        (["-o", "file/x.mp4"], 1, "cannot write file/x.mp4"),
+        (["-o", "\udce9.mp4"], 2, "not UTF-8"),
+        (["--text", "a\ud800"], 2, "is not UTF-8; give it in a UTF-8 terminal"),
+        (["--text", "a\udce9"], 2, "is not UTF-8"),
+        (["--text", "a\x00b"], 2, "the control character U+0000"),
+        (["--text", "a\x1bb"], 2, "the control character U+001B"),
+        (["--text", "a" * 100_000], 2, "has 100,000 letters; give words of at most 1000"),
+        (["--text", "a " * 600_000], 2, "has 1,200,000 characters; give at most 1,000,000"),
+        (["--text", "🙂🙂"], 2, "no word to pronounce"),
+        (["--text", "مرحبا"], 2, "no word to pronounce"),
+        (["--text", "Hi.", "--seed", "9" * 24], 2, "give a number from 0 to 999999999"),
+        (["--text", "Hi.", "--speed", "9" * 24], 2, "at least 80 and at most 450"),
+        (["--text", "Hi.", "--pitch", "101"], 2, "at least 0 and at most 100"),
+        (["--text", "Hi.", "--pitch", "-1"], 2, "at least 0 and at most 100"),
+        (["--text", "Hi.", "--voice", "x" * 5000], 2, "at most 64 characters"),
+        (["--text", "Hi.", "--voice", "../x"], 2, "speak.voice.voice"),
+        (["--text", "Hi.", "--voice", "\ud800"], 2, "speak.voice.voice"),
+        (["--text", "Hi.", "--model", "file"], 2, "is a file; give the folder"),
+        (["--text-file", "."], 2, "Is a directory"),
+        (["--text-file", "binary"], 2, "it is not UTF-8 text (byte 1)"),
+        (["--text-file", "huge"], 2, "more than 4,000,000 bytes"),
+        (["--text-file", "nul"], 2, "the control character U+0000"),
+        (["--audio", "http://127.0.0.1:9/x.wav"], 1, "the file does not exist"),
+        (["--audio", "pipe:0"], 1, "the file does not exist"),
+        (["--audio", "concat:file|file"], 1, "the file does not exist"),
+        (["--audio", "."], 1, "not a regular file"),
+        (["--audio", "pipe.mp4"], 1, "not a regular file"),
+        (["--audio", "x" * 300], 1, "File name too long"),
+    ],
+    ids=lambda value: ascii(value)[:60],
+)
+def test_extreme_command_lines(speaker, tmp_path, capsys, monkeypatch, arguments, status, said):
+    monkeypatch.chdir(tmp_path)
+    os.mkfifo("pipe.mp4")
+    for name, data in {"file": b"Hello.", "binary": b"a\xff", "huge": b"a " * 2_100_000, "nul": b"a\0b"}.items():
+        (tmp_path / name).write_bytes(data)
+    given = [] if set(arguments) & {"--text", "--text-file", "--audio"} else ["--text", "Hello."]
+    before = sorted(tmp_path.iterdir())
+    found, error = told(capsys, "--model", speaker, "-o", "out.mp4", "--quiet", *given, *arguments)
+    assert found == status and said in error, error
+    assert error.startswith("visualspeech: ") and error.count("\n") == 1 and len(error) < 6000, error
+    assert sorted(tmp_path.iterdir()) == before and "codec" not in error
+
+
+def test_standard_input_is_checked_as_a_file_is(speaker, tmp_path, capsys, monkeypatch):
+    for data, said in ((b"", "no word to pronounce"), (b"Andr\xe9", "it is not UTF-8 text (byte 4)")):
+        monkeypatch.setattr(sys, "stdin", io.TextIOWrapper(io.BytesIO(data)))
+        status, error = told(capsys, "--model", speaker, "--text-file", "-", "-o", tmp_path / "out.mp4")
+        assert status == 2 and said in error
+
+
+@pytest.mark.parametrize(
+    ("seconds", "said"), [(0.001, "too short for speech"), (0.15, "too short"), (2, "no speech"), (45, "no speech")]
+)
+@pytest.mark.parametrize("level", [0.01, 0.3])
+def test_noise_and_a_click_are_no_speech(speaker, tmp_path, capsys, seconds, said, level):
+    import numpy as np
+    import soundfile
+
+    noise = np.random.default_rng(1).normal(size=round(16_000 * seconds))
+    soundfile.write(tmp_path / "noise.wav", np.clip(level * noise, -1, 1), 16_000)
+    status, error = told(
+        capsys, "--model", speaker, "--audio", tmp_path / "noise.wav", "-o", tmp_path / "x.mp4", "--quiet"
+    )
+    assert status == 1 and said in error and [path.name for path in tmp_path.iterdir()] == ["noise.wav"]
 
 
 def test_the_command_is_installed_with_the_package():

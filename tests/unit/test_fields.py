@@ -1,6 +1,7 @@
 """Settings classes: bounds, defaults and descriptions, written once, agree in the dataclass and in the schema."""
 
 import copy
+import re
 import subprocess
 import sys
 from dataclasses import asdict, dataclass, fields, replace
@@ -114,7 +115,8 @@ def wrong_values(kind, metadata):
     if metadata.get("min_length"):
         yield ""
     if "pattern" in metadata:
-        yield from ("", "?", "FBB\n", "a1 ", "a1a1")
+        tried = ("", "?", "FBB\n", "a1 ", "a1a1")
+        yield from (one for one in tried if not re.fullmatch(metadata["pattern"], one))
     for bound, step in BESIDE.items():
         if bound in metadata:
             yield metadata[bound] + step

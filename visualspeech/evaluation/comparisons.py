@@ -41,7 +41,7 @@ class ComparisonSettings(Settings):
         0.05, "Significance level of all pairs of one measure together, for example 0.05.", above=0, below=1
     )
     permutations: int = setting(
-        10_000, "Number of random draws of the permutation test.", minimum=100, maximum=100_000_000
+        10_000, "Number of random draws of the permutation test.", minimum=100, maximum=1_000_000
     )
     seed: int = setting(0, "Seed of the permutation test.", minimum=0, maximum=MAX_SEED)
 

@@ -20,7 +20,7 @@ class BootstrapSettings(Settings):
     """Bootstrap confidence intervals over utterances."""
 
     section = "tables.bootstrap"
-    samples: int = setting(2000, "Number of bootstrap samples.", minimum=1, maximum=1_000_000)
+    samples: int = setting(2000, "Number of bootstrap samples.", minimum=1, maximum=100_000)
     level: float = setting(0.95, "Confidence level of the intervals, for example 0.95.", above=0, below=1)
     seed: int = setting(0, "Seed of the bootstrap samples.", minimum=0, maximum=MAX_SEED)
 

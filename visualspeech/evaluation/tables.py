@@ -23,6 +23,7 @@ class TableSettings(Settings):
         "Measures shown, in the order of the columns.",
         item={"description": "A measure; its formula is in docs/papers.md.", "choices": METRICS},
         min_items=1,
+        max_items=100,
         unique=True,
     )
     digits: int = setting(3, "Number of decimals of the measures.", minimum=0, maximum=12)

@@ -34,7 +34,7 @@ class PoseSettings(Settings):
         3.0, "Assumed focal length of the camera, in units of the frame's longer side.", minimum=0.1, maximum=1000
     )
     max_frames: int = setting(
-        600, "Maximum number of training frames that the head model is fitted to.", minimum=10, maximum=100_000
+        600, "Maximum number of training frames that the head model is fitted to.", minimum=10, maximum=10_000
     )
     iterations: int = setting(12, "Iterations of the bundle adjustment.", minimum=1, maximum=1000)
     landmark_noise: float = setting(

@@ -37,7 +37,7 @@ class LandmarkSettings(Settings):
         maximum=4000,
     )
     num_jitters: int = setting(
-        1, "Number of slightly shifted face boxes per frame whose landmarks are averaged.", minimum=1, maximum=1000
+        1, "Number of slightly shifted face boxes per frame whose landmarks are averaged.", minimum=1, maximum=100
     )
     detector_pixels: int = setting(
         640,

@@ -9,6 +9,7 @@ from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass
 from importlib import import_module
 from itertools import chain, product
+from math import prod
 from pathlib import Path
 from types import MappingProxyType
 
@@ -81,41 +82,30 @@ FAMILIES = {
     "reconstruction": Family("", role="floor", title=lambda name, settings: "reconstruction (floor)", reads=(0, 0)),
 }
 
+MOST_ROWS = 1000  # of a system; planning takes some seconds for so many
 #: Rows that every system has: what a prediction must beat, and the error that none can fall below.
 ALWAYS = {"training_mean": {"family": "mean"}, "reconstruction": {"family": "reconstruction"}}
 
 #: Keys of an entry of ``models:`` beside the settings of its family, as JSON Schema.
 ENTRY = {
     "family": {"type": "string", "description": "Family of models, which the settings of the entry belong to."},
-    "like": {"type": "string", "description": "Entry of `models` whose keys count where this one has none."},
-    "from": {"type": "string", "description": "As `like`, and training starts from the model of that entry."},
-    "reads": {
-        "type": "array",
-        "uniqueItems": True,
-        "items": {"description": "Input block of the system."},
-        "description": "Input blocks of the system that the model reads, in this order.",
-    },
-    "title": {"type": "string", "minLength": 1, "maxLength": 200, "description": "Name in tables."},
-    "suffix": {
-        "type": "string",
-        "pattern": "^[A-Za-z0-9_-]{1,32}\\Z",
-        "description": "At most 32 letters, digits, - and _ that follow the names of the rows, after a hyphen.",
-    },
+    "like": {"type": "string", "maxLength": 64,
+             "description": "Entry of `models` whose keys count where this one has none."},
+    "from": {"type": "string", "maxLength": 64,
+             "description": "As `like`, and training starts from the model of that entry."},
+    "reads": {"type": "array", "uniqueItems": True, "maxItems": 200,
+              "items": {"description": "Input block of the system."},
+              "description": "Input blocks of the system that the model reads, in this order."},
+    "title": {"type": "string", "minLength": 1, "maxLength": 200, "pattern": "^[^\\r\\n]*\\Z",
+              "description": "Name in tables."},
+    "suffix": {"type": "string", "pattern": "^[A-Za-z0-9_-]{1,32}\\Z",
+               "description": "At most 32 letters, digits, - and _ that follow the names of the rows, after a hyphen."},
     "training": {"type": "object", "description": "What differs from the system's settings of training."},
-    "seeds": {
-        "type": "array",
-        "uniqueItems": True,
-        "minItems": 1,
-        "maxItems": 100,
-        "items": {
-            "type": "integer",
-            "minimum": 0,
-            "maximum": MAX_SEED,
-            "description": "Seed of weights, order and dropout.",
-        },
-        "description": "Seeds of the networks of this entry, in place of the system's.",
-    },
-}
+    "seeds": {"type": "array", "uniqueItems": True, "minItems": 1, "maxItems": 100,
+              "items": {"type": "integer", "minimum": 0, "maximum": MAX_SEED,
+                        "description": "Seed of weights, order and dropout."},
+              "description": "Seeds of the networks of this entry, in place of the system's."},
+}  # fmt: skip
 ENTRY_KEYS = tuple(ENTRY)
 
 
@@ -139,7 +129,7 @@ def entry_schema(family: str, entry: Mapping = MappingProxyType({}), blocks: Col
     own = section_schema(settings_class(known.settings), hidden=("seed",))["properties"] if known.settings else {}
     for name in known.grid:
         if isinstance(entry.get(name), list):
-            several = {"type": "array", "minItems": 1, "uniqueItems": True, "items": own[name]}
+            several = {"type": "array", "minItems": 1, "maxItems": 20, "uniqueItems": True, "items": own[name]}
             own[name] = {"description": own[name]["description"], **several}
     return {"type": "object", "additionalProperties": False, "properties": common | own}
 
@@ -295,6 +285,10 @@ def expand(models: Mapping, blocks: Collection, training: Mapping, seeds: Sequen
     merged = {key: _inherited(key, given) for key in given}
     rows: dict[str, ModelRow] = {}
     for key, entry in {**merged, **{key: entry for key, entry in ALWAYS.items() if key not in merged}}.items():
+        if len(rows) + _count(entry, seeds) > MOST_ROWS:
+            raise SettingError(
+                f"`{where}` asks for more than {MOST_ROWS} rows; give fewer `letters`, `nodes` or `seeds`."
+            )
         for row in _rows_of(key, entry, training, seeds, f"{where}.{key}"):
             # Names are folders, and some file systems take names that differ in case only for one.
             if row.name.lower() in map(str.lower, rows):
@@ -304,6 +298,12 @@ def expand(models: Mapping, blocks: Collection, training: Mapping, seeds: Sequen
             rows[row.name] = row
     order = {"model": 0, "baseline": 1, "floor": 2}
     return sorted(rows.values(), key=lambda row: order[row.role])
+
+
+def _count(entry: Mapping, seeds: Sequence[int]) -> int:
+    """Number of rows that an entry asks for, or more."""
+    family = FAMILIES[entry["family"]]
+    return len(entry.get("seeds", seeds)) * prod(len(entry[name]) for name in _grid(family, entry))
 
 
 def _inherited(key: str, models: Mapping) -> dict:

@@ -58,10 +58,8 @@ class TrainingSettings(Settings):
     momentum: float = setting(
         0.9, "Momentum m of Fan 2015, Eq. 11; with adam the decay of the mean gradient.", minimum=0, below=1
     )
-    batch_size: int = setting(8, "Utterances per update, with `batcher: utterances`.", minimum=1, maximum=4096)
-    batch_frames: int = setting(
-        4096, "Frames per update at most, with `batcher: frames`.", minimum=1, maximum=1_000_000
-    )
+    batch_size: int = setting(8, "Utterances per update, with `batcher: utterances`.", minimum=1, maximum=1024)
+    batch_frames: int = setting(4096, "Frames per update at most, with `batcher: frames`.", minimum=1, maximum=100_000)
     max_epochs: int = setting(200, "Epochs at most.", minimum=1, maximum=100_000)
     patience: int = setting(
         8, "Epochs without a better validation error after which training ends.", minimum=1, maximum=100_000

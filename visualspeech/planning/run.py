@@ -14,6 +14,7 @@ from visualspeech.face.aam.model import AamSettings
 from visualspeech.face.point_sets import point_set_names, read_point_set
 from visualspeech.fields import FieldError
 from visualspeech.planning.corpora import CorpusPlan, plan_corpus
+from visualspeech.planning.paths import path_mistakes
 from visualspeech.planning.systems import (
     absolute_root,
     by_name,
@@ -25,6 +26,7 @@ from visualspeech.planning.systems import (
     read_systems,
 )  # fmt: skip
 from visualspeech.schema import fill_defaults, load_schema, mistakes, unknown
+from visualspeech.settings import plain_data
 
 #: Folders beside the systems' in a corpus's results; no system may have such a name.
 RESERVED = ("alignment", "audio", "benchmarks", "check", "codings", "corpus", "heads", "landmarks", "logs", "pose",
@@ -51,6 +53,7 @@ def resolve(config: Mapping, folder: Path) -> dict:
         name: load_schema(folder.parent / "workflow" / "schemas" / f"{name}.schema.yaml")
         for name in ("run", "system", "coding", "corpus")
     }
+    config = plain_data(config)
     misplaced = [
         key for key in config if key not in schemas["run"]["properties"] and key in schemas["system"]["properties"]
     ]
@@ -65,7 +68,8 @@ def resolve(config: Mapping, folder: Path) -> dict:
         systems, codings, corpora = _read(config, folder)
     except SettingError as error:
         raise SettingError("\n".join([*found, str(error)])) from error
-    for key, entries in (("corpora", corpora), ("codings", codings), ("systems", systems)):
+    read = plain_data({"corpora": corpora, "codings": codings, "systems": systems})
+    for key, entries in read.items():
         for name, entry in entries.items():
             found += mistakes(entry, schemas[KINDS[key]], f"{key}.{name}")
             found += input_mistakes(entry, f"{key}.{name}") if key == "systems" else []
@@ -87,7 +91,10 @@ def resolve(config: Mapping, folder: Path) -> dict:
     collect.found += [] if collect.found else _speak_mistakes(settings["speak"], systems)
     if collect.found:
         raise SettingError("\n".join(collect.found))
-    return {**settings, "corpora": corpora, "systems": systems, "codings": codings}
+    complete = {**settings, "corpora": corpora, "systems": systems, "codings": codings}
+    if found := path_mistakes(complete):
+        raise SettingError("\n".join(found))
+    return complete
 
 
 class _Collector:
@@ -155,6 +162,10 @@ def _complete_system(system: Mapping, schema: Mapping, seed: int) -> dict:
     if system["name"].lower() in RESERVED:
         raise SettingError(
             f"`{where}`: {system['name']} is the name of a folder of the results; give the system another."
+        )
+    if 0 < system["rate"] < 1:
+        raise SettingError(
+            f"`{where}.rate: {system['rate']}` must be 0, the video's own rate, or at least 1 and at most 1000."
         )
     return complete_system(fill_defaults(system, schema, where), seed)
 

@@ -54,7 +54,7 @@ class AlignmentSettings(Settings):
         0.1, "Time kept before and after the speech for the decoder, in seconds.", minimum=0, maximum=60
     )
     padding: float = setting(
-        0.2, "Duration of the quiet noise added before and after the sound, in seconds.", minimum=0, maximum=60
+        0.2, "Duration of the quiet noise added before and after the sound, in seconds.", minimum=0, maximum=5
     )
     padding_noise: float = setting(
         5.0, "Root-mean-square amplitude of the padding noise, in 16-bit steps.", minimum=0, maximum=1000

@@ -30,6 +30,8 @@ WINDOW = 40.0  # seconds; a shorter recording is one piece
 _FIRST, _LAST = 8.0, 32.0  # seconds from the start of a window; earliest and latest cut
 _FASTEST = 7.0  # words per second
 _PAUSE = 0.15  # seconds; shorter pauses may be the closure of a stop
+MIN_SECONDS = 0.2  # of a recording without a transcript
+MIN_LEVEL_RANGE = 3.0  # dB; sound of a steadier level is noise
 _LAST_WORDS = 2  # number of uncertain words at the end of a window, unless ...
 _ENDED = 3.0  # ... this many seconds of silence follow them
 
@@ -117,6 +119,10 @@ def recognised_pieces(
             until = length / RATE
             phones = [(label, start, min(end, until)) for label, start, end in phones if start < until]
         heard += sum(end - start for label, start, end in phones if label != SILENCE)
+        if last and begin + length < MIN_SECONDS * RATE:
+            raise RejectedUtterance(
+                f"only {(begin + length) / RATE:.3f} s of sound, too short for speech", "Give a longer recording."
+            )
         if last and heard < MIN_SPEECH * (begin + length) / RATE:
             raise RejectedUtterance(NO_SPEECH, CHECK)
         yield begin + length, phones
@@ -128,7 +134,7 @@ def recognised_pieces(
 def _phones(samples: np.ndarray, settings: AlignmentSettings) -> list[tuple[str, float, float]]:
     """Recognised phones (label, start, end), from the first sample to the last."""
     seconds = len(samples) / RATE
-    if not np.any(samples):
+    if _level_range(samples) < MIN_LEVEL_RANGE:
         return [(SILENCE, 0.0, seconds)]
     moved = round(settings.padding * RATE) / RATE
     found = [
@@ -143,6 +149,13 @@ def _phones(samples: np.ndarray, settings: AlignmentSettings) -> list[tuple[str,
             start = joined.pop()[1]
         joined.append((label, start, end))
     return joined
+
+
+def _level_range(samples: np.ndarray) -> float:
+    """Range in dB from quiet to loud 20 ms of samples; below 2 for steady noise, far above it for speech."""
+    frames = samples[: len(samples) // 320 * 320].reshape(-1, 320).astype(np.float64)
+    levels = 10 * np.log10(np.maximum((frames**2).mean(axis=1), 1e-3))
+    return float(np.subtract(*np.percentile(levels, [95, 10]))) if len(levels) else 0.0
 
 
 class _Held:

@@ -15,6 +15,8 @@ class VoiceSettings(Settings):
         tts.VOICE,
         "English voice of eSpeak NG, for example en-us or en-gb; its phones are read as American English.",
         min_length=1,
+        max_length=64,
+        pattern=tts.VOICE_NAME,
     )
     rate_wpm: int = setting(150, "Speaking rate in words per minute.", minimum=80, maximum=450)
     pitch: int = setting(45, "Pitch of the voice, from 0 (low) to 100 (high).", minimum=0, maximum=100)

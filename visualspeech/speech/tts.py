@@ -19,6 +19,7 @@ from visualspeech.speech import espeak
 from visualspeech.speech.phones import SILENCE
 
 VOICE = "en-us"
+VOICE_NAME = r"[A-Za-z0-9][A-Za-z0-9/+_-]*"  # of any voice or variant
 
 # Mnemonics of eSpeak NG's American voice. An "r" after a vowel that ends in "r" is not repeated: see _merge.
 _ARPABET = {

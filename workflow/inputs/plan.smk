@@ -9,8 +9,11 @@ from visualspeech.jobs import settle_locks
 from visualspeech.locks import hold
 from visualspeech.planning.run import plan_run
 from visualspeech.provenance import code_digest, digest
+from visualspeech.settings import check_overlays
 
 try:
+    if workflow.is_main_process:
+        check_overlays(workflow.configfiles)
     PLAN = plan_run(config, Path(workflow.basedir, "config"))
 except VisualSpeechError as error:
     raise WorkflowError(str(error))

@@ -6,7 +6,8 @@ from dataclasses import dataclass
 from visualspeech.fields import MAX_SEED, FieldError, Settings, setting
 
 WEIGHTINGS = ("variance", "none")
-MOST_COMPONENTS = 100_000
+#: A component has as many values as a texture; more than these fill the memory of a small machine.
+MOST_COMPONENTS = 2000
 #: One analysis keeps a share of the variance (perhaps capped), or a number of components.
 TARGET = {
     "type": "object",

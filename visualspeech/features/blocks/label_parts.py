@@ -26,6 +26,7 @@ class LabelPartsSettings(Settings):
         "Parts of a label beside phone and state.",
         item={"choices": tuple(PARTS), "description": "Name of a part."},
         min_items=1,
+        max_items=100,
         unique=True,
     )
 

@@ -62,9 +62,10 @@ class FittingSettings(Settings):
         "Scales of the pyramid, fitted coarse to fine: how many texture pixels each way are averaged into one.",
         item={"description": "Texture pixels each way that are averaged into one.", "minimum": 1, "maximum": 16},
         min_items=1,
+        max_items=8,
         unique=True,
     )
-    iterations: int = setting(15, "Maximum number of iterations at each scale.", minimum=1, maximum=10_000)
+    iterations: int = setting(15, "Maximum number of iterations at each scale.", minimum=1, maximum=1000)
     tolerance: float = setting(
         0.03,
         "A frame has converged at a scale once no point moves farther than this in an iteration, in texture pixels.",
@@ -90,7 +91,7 @@ class FittingSettings(Settings):
         minimum=0.01,
         maximum=1000,
     )
-    batch_size: int = setting(75, "Number of frames fitted at a time.", minimum=1, maximum=10_000)
+    batch_size: int = setting(75, "Number of frames fitted at a time.", minimum=1, maximum=1000)
     max_error_ratio: float = setting(
         3.0,
         "A fit has diverged if its residual exceeds this multiple of the residual that the model leaves of training "
