@@ -180,3 +180,12 @@ def progress(items: Iterable, total: int, unit: str, every: float = 3.0) -> Iter
             speed = done / max(now - start, 1e-9)
             left = (total - done) / speed
             log.info("%d/%d %s, %.3g %s/s, %.0f s left", done, total, unit, speed, unit, left)
+
+
+def log_defect(message: str, error: BaseException) -> None:
+    """Log a sentence about an unexpected error that does not end the job; its traceback goes to the log file only."""
+    log.warning("%s", message)
+    trace = "".join(traceback.format_exception(error))
+    for handler in log.handlers:
+        if isinstance(handler, logging.FileHandler):
+            handler.emit(log.makeRecord(log.name, logging.WARNING, "", 0, "%s", (trace,), None))

@@ -13,7 +13,7 @@ from pathlib import Path
 import numpy as np
 
 from visualspeech.corpora.check_settings import CheckSettings
-from visualspeech.corpora.findings import WARN, Finding, rejection
+from visualspeech.corpora.findings import WARN, Finding, attempt, rejection
 from visualspeech.corpora.records import Utterance
 from visualspeech.errors import RejectedUtterance
 from visualspeech.media import reading
@@ -59,12 +59,13 @@ def check_recording(
     CheckedRecording; a bad recording is reported in it and does not raise an error.
     """
     findings: list[Finding] = []
-    digest, frames, samples, rejected = "", 0, None, None
+    digest, frames = "", 0
 
     def warn(finding: str, remedy: str) -> None:
         findings.append(Finding(utterance.id, STAGE, WARN, utterance.media, finding, remedy))
 
-    try:
+    def samples() -> np.ndarray:
+        nonlocal digest, frames
         if utterance.problem:
             raise RejectedUtterance(utterance.problem, utterance.remedy)
         _check_exists(utterance.media)
@@ -83,11 +84,10 @@ def check_recording(
                 f"not in the pronunciation dictionary: {', '.join(dict.fromkeys(unknown))}",
                 "Correct spelling mistakes. Other words are pronounced by letter-to-sound rules.",
             )
-        samples = np.round(np.clip(sound, -1, 1) * 32767).astype(np.int16)
-    except RejectedUtterance as error:
-        rejected = error
-        findings.insert(0, rejection(utterance.id, STAGE, utterance.media, error))
-    return CheckedRecording(samples, rejected, findings, digest, frames)
+        return np.round(np.clip(sound, -1, 1) * 32767).astype(np.int16)
+
+    found = attempt(utterance, STAGE, samples)
+    return CheckedRecording(found.value, found.rejected, [*found.findings, *findings], digest, frames)
 
 
 def _check_exists(media: str) -> None:
@@ -187,7 +187,8 @@ def _check_durations(
                 "Correct start and end in the corpus's table (in seconds), or copy the recording again.",
             )
     else:
-        if len(scan.damaged) and len(scan.times) and scan.damaged[-1] > scan.times[-1] - 1.5 / info.rate:
+        damaged_end = len(scan.damaged) and len(scan.times) and scan.damaged[-1] > scan.times[-1] - 1.5 / info.rate
+        if damaged_end and not _reaches_its_end(scan, info):
             raise RejectedUtterance(
                 f"truncated: the file breaks off within a frame, {scan.times[-1]:.2f} s after its beginning",
                 "Copy the recording again from its source.",
@@ -217,6 +218,12 @@ def _check_durations(
         warn(finding, remedy)
 
 
+def _reaches_its_end(scan: reading.VideoScan, info: reading.MediaInfo) -> bool:
+    """Whether the last frame, damaged or not, is the last one that the header announces."""
+    announced = info.video_duration or info.duration
+    return info.announced and 0 < announced <= max(scan.times[-1], scan.damaged[-1]) + 1.5 / info.rate
+
+
 def _check_sound(sound: np.ndarray, info: reading.MediaInfo, settings: CheckSettings, warn) -> None:
     levels = frame_levels(sound)
     loud = np.percentile(levels, 95) if len(levels) else -np.inf
@@ -232,7 +239,7 @@ def _check_sound(sound: np.ndarray, info: reading.MediaInfo, settings: CheckSett
             f"audio without speech (its level varies by {spread:.0f} dB, {voiced:.2f} s of speech are detected)",
             "Check that the file has the right audio track, and that start and end are correct.",
         )
-    if info.audio_rate < settings.warn_sample_rate_below:
+    if 0 < info.audio_rate < settings.warn_sample_rate_below:
         warn(
             f"audio at {info.audio_rate / 1000:g} kHz",
             "The recording is used, but s, f and th are hard to distinguish. Record at 16 kHz or more.",

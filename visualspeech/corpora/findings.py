@@ -1,12 +1,23 @@
-"""Findings about utterances: the record, its table, and the limit at which a corpus is refused."""
+"""Findings about utterances: the record, its table, the limit at which a corpus is refused, and how they arise.
 
-from collections.abc import Iterable
+:func:`attempt` is the one place where what fails for an utterance is told from what fails for a run.
+"""
+
+import errno
+from collections.abc import Callable, Iterable
 from dataclasses import asdict, dataclass, fields
 
-from visualspeech.errors import CorpusError, RejectedUtterance
+from visualspeech.corpora.records import Utterance
+from visualspeech.corpora.split import SPLITS
+from visualspeech.errors import CorpusError, RejectedUtterance, SettingError, StorageError, VisualSpeechError
+from visualspeech.jobs import log_defect
 from visualspeech.storage.tables import read_table, write_table
 
 REJECT, WARN = "reject", "warn"
+#: What concerns the run, not one utterance. A full disk is an :class:`OSError`, see :func:`attempt`.
+OF_THE_RUN = (StorageError, SettingError, CorpusError, MemoryError)
+FULL_DISK = (errno.ENOSPC, errno.EDQUOT)
+MAX_REASON = 200  # characters of the message of an unexpected error
 
 
 @dataclass(frozen=True)
@@ -16,7 +27,7 @@ class Finding:
     Parameters
     ----------
     id : of the utterance
-    stage : of the workflow (check, alignment, landmarks, pose)
+    stage : of the workflow (check, alignment, landmarks, pose, textures, fitting)
     level : ``reject`` (the run continues without the utterance) or ``warn`` (the utterance is used)
     file : path of the file concerned
     finding : the problem
@@ -34,6 +45,52 @@ class Finding:
 def rejection(utterance_id: str, stage: str, file: str, error: RejectedUtterance) -> Finding:
     """The finding of a :class:`RejectedUtterance`."""
     return Finding(utterance_id, stage, REJECT, file, error.reason, error.remedy)
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """What became of one utterance in one stage.
+
+    Parameters
+    ----------
+    value : what was computed; None if the utterance is rejected
+    rejected : why the utterance cannot be used; None if it can
+    findings : the rejection, or nothing
+    """
+
+    value: object = None
+    rejected: RejectedUtterance | None = None
+    findings: tuple[Finding, ...] = ()
+
+
+def attempt(utterance: Utterance, stage: str, function: Callable, *args, **kwargs) -> Outcome:
+    """Compute something of one utterance; whatever goes wrong with it is a rejection and does not stop the run.
+
+    The function must consume lazily decoded frames itself. The traceback of an unexpected error goes to the log file.
+
+    Raises
+    ------
+    StorageError, SettingError, CorpusError, MemoryError
+        From the function: these concern the whole run, as does an :class:`OSError` of a full disk.
+    """
+    try:
+        return Outcome(function(*args, **kwargs))
+    except OF_THE_RUN:
+        raise
+    except RejectedUtterance as error:
+        rejected = error
+    except VisualSpeechError as error:
+        rejected = RejectedUtterance(str(error), "Copy or convert the recording again, or leave the utterance out.")
+    except Exception as error:
+        if isinstance(error, OSError) and error.errno in FULL_DISK:
+            raise
+        message = " ".join(f"{type(error).__name__}: {error}".split())[:MAX_REASON]
+        log_defect(f"{utterance.id} is left out: unexpected error: {message}", error)
+        rejected = RejectedUtterance(
+            f"unexpected error: {message}",
+            "Convert the recording again, or leave the utterance out. The log of this stage holds the details.",
+        )
+    return Outcome(rejected=rejected, findings=(rejection(utterance.id, stage, utterance.media, rejected),))
 
 
 def write_findings(path, findings: Iterable[Finding]) -> None:
@@ -77,4 +134,21 @@ def check_share(findings: Iterable[Finding], utterances: int, limit: float) -> N
         raise CorpusError(
             f"{count} of {utterances} utterances cannot be used, more than the share `max_rejected_share: {limit:g}`:\n"
             f"{first}\nFix the recordings, or raise the share to continue without them."
+        )
+
+
+def check_splits(utterances: Iterable[Utterance]) -> None:
+    """Refuse a corpus of which a whole split was rejected.
+
+    Raises
+    ------
+    CorpusError
+        None of these utterances is in one of the splits.
+    """
+    left = {one.split for one in utterances}
+    empty = [name for name in SPLITS if name not in left]
+    if empty:
+        raise CorpusError(
+            f"no utterance of the split {', '.join(map(repr, empty))} can be used. Fix the recordings that the "
+            "findings name, or add recordings."
         )

@@ -1,6 +1,6 @@
 """Comparison of the systems of one corpus in the measures that are comparable between them."""
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -84,12 +84,15 @@ def _figure(table, base, metric: Metric, drawn: np.ndarray, bootstrap: Bootstrap
     return relative_figure(own, sample(base, metric, drawn), bootstrap.level)
 
 
-def systems_tables(frame, systems: Sequence[SystemRows], bootstrap: BootstrapSettings, digits: int = 3) -> tuple[Table]:
+def systems_tables(
+    frame, systems: Sequence[SystemRows], bootstrap: BootstrapSettings, digits: int = 3, lost: Collection[str] = ()
+) -> tuple[Table]:
     """The table of all systems, with a heading above the rows of each.
 
     Parameters
     ----------
     frame, systems, bootstrap : as made by and given to :func:`systems_frame`
+    lost : test utterances of some systems that are left out, because other systems lack them
     """
     text = {
         (line.system, line.row, line.metric): tuple(shown(v, digits) for v in (line.value, line.low, line.high))
@@ -120,6 +123,8 @@ def systems_tables(frame, systems: Sequence[SystemRows], bootstrap: BootstrapSet
         "The best value in each column is bold; floors are left out.",
         "The truth of each system is the recorded face at its own frame rate and in its own visual coding.",
     )
+    if lost:
+        notes += (f"Left out, because a visual coding rejected them: {', '.join(sorted(lost))}.",)
     title = "Systems on one corpus"
     return (Table(title, tuple(headings), tuple(rows), facts=facts, notes=notes, definitions=definitions_of(metrics)),)
 

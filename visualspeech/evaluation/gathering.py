@@ -10,7 +10,7 @@ import numpy as np
 from visualspeech import __version__
 from visualspeech.corpora.records import Utterance
 from visualspeech.corpora.split import SPLITS
-from visualspeech.corpora.table import of_split
+from visualspeech.corpora.table import of_split, read_utterances
 from visualspeech.evaluation import plots
 from visualspeech.evaluation.forms import fragment_of
 from visualspeech.evaluation.report import Picture, SystemSection, Video
@@ -39,23 +39,21 @@ def fragments(paths: Sequence[str]) -> tuple[str, ...]:
     return tuple(fragment_of(read_text(path)) for path in paths)
 
 
-def system_section(
-    given: Mapping, utterances: Sequence[Utterance], alignments: Sequence[str], report: str, trajectories: int = 3
-) -> SystemSection:
+def system_section(given: Mapping, alignments: Sequence[str], report: str, trajectories: int = 3) -> SystemSection:
     """The section of one system in the report.
 
     Parameters
     ----------
-    given : ``name`` and ``title`` of the system; ``facts`` as (name, text) pairs; and paths: ``tables`` (HTML pages),
-        ``targets`` (shards), ``curves`` (of the ``rows``, plain :class:`ModelRow`, in the same order), ``coding`` and
-        ``reference`` (models, empty for a coding without texture), ``predictions`` of the model named ``model``, and
-        ``videos`` (a folder). What is empty is left out of the section
-    utterances : the accepted utterances
+    given : ``name`` and ``title`` of the system; ``facts`` as (name, text) pairs; and paths: ``utterances`` (the table
+        of those that its models see), ``tables`` (HTML pages), ``targets`` (shards), ``curves`` (of the ``rows``, plain
+        :class:`ModelRow`, in the same order), ``coding`` and ``reference`` (models, empty for a coding without
+        texture), ``predictions`` of the model named ``model``, and ``videos`` (a folder). What is empty is left out of
+        the section
     alignments : shards of the alignment
     report : path of the page, to which links are relative
     trajectories : number of test utterances whose trajectories are shown
     """
-    rows = list(map(ModelRow.of, given["rows"]))
+    rows, utterances = list(map(ModelRow.of, given["rows"])), read_utterances(given["utterances"])
     with ArrayCollection(given["targets"]) as targets:
         return SystemSection(
             name=given["name"],

@@ -1,6 +1,6 @@
 """Rows of a result table with the statistics of their test utterances."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -117,6 +117,11 @@ class MeasuredRows:
         """The rows for which a condition holds."""
         kept = tuple(row for row in self.rows if wanted(row))
         return MeasuredRows(kept, {row.name: self.tables[row.name] for row in kept})
+
+    def on(self, utterances: Collection[str]) -> "MeasuredRows":
+        """The rows on some of their utterances."""
+        kept = {name: table[table["id"].isin(utterances)].reset_index(drop=True) for name, table in self.tables.items()}
+        return MeasuredRows(self.rows, kept)
 
     def cells(self) -> dict[str, tuple[ModelRow, ...]]:
         """Rows by the cell that they are repetitions of, both in order."""

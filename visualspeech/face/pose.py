@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from visualspeech.errors import DataError
+from visualspeech.errors import DataError, RejectedUtterance
 from visualspeech.face.camera import project, rotation_matrices, solve_pose, solve_translation
 from visualspeech.face.head import HeadModel, PoseSettings
 from visualspeech.face.landmarks import smooth
@@ -72,6 +72,23 @@ def estimate(points: np.ndarray, head: HeadModel, settings: PoseSettings | None 
     beside = smooth(middle[:, :2] / middle[:, 2:], settings.translation_smoothing * rate)
     shift = beside * middle[:, 2:] - middle[:, :2]
     return Pose(rotation, translation + np.column_stack([shift, np.zeros(len(shift))]))
+
+
+def normalise(points: np.ndarray, head: HeadModel, settings: PoseSettings, *, rate: float) -> tuple[Pose, np.ndarray]:
+    """The head's pose in every frame of one utterance (:func:`estimate`), and its landmarks in the normalised face.
+
+    Raises
+    ------
+    RejectedUtterance
+        There is no pose under which the head shows these landmarks.
+    """
+    pose = estimate(points, head, settings, rate=rate)
+    frontal = to_frontal(points, pose, head)
+    if not all(np.isfinite(array).all() for array in (pose.rotation, pose.translation, frontal)):
+        raise RejectedUtterance(
+            "the landmarks are those of no head", "Check that the recording shows the speaker's face throughout."
+        )
+    return pose, frontal
 
 
 def to_frontal(points: np.ndarray, pose: Pose, head: HeadModel, model: np.ndarray | None = None) -> np.ndarray:

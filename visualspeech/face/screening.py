@@ -9,6 +9,7 @@ points that move). The limits were set on GRID, where broken utterances are clea
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from itertools import islice
+from pathlib import Path
 
 import numpy as np
 
@@ -141,6 +142,26 @@ def track_screened(
     check_frames(watch.measures(), rate, settings)
     check_points(landmarks.points, settings)
     return landmarks
+
+
+def track_recording(
+    path: str | Path,
+    start: float,
+    end: float,
+    landmark_settings: LandmarkSettings | None = None,
+    settings: ScreeningSettings | None = None,
+) -> tuple[Landmarks, float]:
+    """Landmarks of a segment of a recording (:func:`track_screened`), and its frame rate in Hz.
+
+    Raises
+    ------
+    RejectedUtterance
+        The recording cannot be read, is broken or has no usable face.
+    """
+    from visualspeech.media.reading import probe, read_frames
+
+    rate = probe(path).rate
+    return track_screened(read_frames(path, start, end), rate, landmark_settings, settings), rate
 
 
 def _in_runs(frames: Iterable[np.ndarray], size: int = 25) -> Iterator[np.ndarray]:

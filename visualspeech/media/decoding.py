@@ -15,19 +15,49 @@ MIN_SOUND_GAP = 0.04  # seconds; longer gaps in the sound are filled with silenc
 MIN_SEEK_TIME = 20.0  # seconds; segments that begin earlier are decoded from the beginning of the recording
 MAX_GAP = 10.0  # seconds; a time stamp further ahead is treated as an error
 SEEK_MARGIN = 12.0  # seconds before the segment to seek to: containers without an index need a key frame in between
+MAX_FRAME_RATE = 1000.0  # Hz; damaged headers state millions, and each frame up to the next time stamp is repeated
+SAMPLE_RATES = (1000, 1_000_000)  # Hz; each second of a damaged header's few samples becomes a second of sound
+MAX_PIXELS = 2**26  # of a frame, 8192 x 8192; a damaged header states more than memory holds
+
+#: Containers that hold a recording themselves. Playlists, session descriptions and image sequences are left out: they
+#: name other files and addresses, which FFmpeg would open.
+CONTAINERS = frozenset(
+    "aac,ac3,aiff,amr,ape,apng,asf,ast,au,av1,avi,caf,dirac,dsf,dts,dtshd,dv,eac3,flac,flv,gif,gxf,h261,h263,h264,hevc,"
+    "g722,gsm,iff,ilbc,ircam,ivf,live_flv,loas,lxf,m4v,matroska,matroska,webm,mjpeg,mlp,mov,mp4,m4a,3gp,3g2,mj2,mp3,mpc,mpc8,mpeg,mpegts,"
+    "mpegvideo,mpjpeg,mxf,nistsphere,nsv,nut,obu,ogg,oma,paf,pva,pvf,qcp,rm,rso,sbc,sds,sox,swf,tak,truehd,tta,ty,vc1,vc1test,vivo,voc,vvc,"
+    "w64,wav,wsd,wtv,wv,yuv4mpegpipe".split(",")
+)
+#: FFmpeg takes the rest of the address literally after ``file:``, and opens no other protocol, whatever a file says.
+LOCAL = {"protocol_whitelist": "file", "format_whitelist": ",".join(sorted(CONTAINERS))}
 
 
 @contextmanager
 def open_media(path: str | Path) -> Iterator:
-    """An opened container; errors of opening and reading it become a :class:`RejectedUtterance`."""
+    """An opened container; errors of opening and reading it become a :class:`RejectedUtterance`.
+
+    Only the local file of this name is opened: no address, and no file that the file names. Text in it that is not
+    UTF-8 is no error.
+    """
     try:
-        with av.open(str(path)) as container:
+        local = Path(path).absolute()
+        # A pipe would block, and a device never ends.
+        if not local.is_file():
+            missing = "is no file" if local.exists() else "does not exist"
+            raise RejectedUtterance(f"the file {missing}", "Correct its name, or bring the file back.")
+        with _opened(local) as container:
             yield container
-    except FileNotFoundError as error:
-        raise RejectedUtterance("the file does not exist", "Correct its name, or bring the file back.") from error
     except (av.FFmpegError, OSError) as error:
         empty = Path(path).is_file() and Path(path).stat().st_size == 0
         reason = "empty: 0 bytes" if empty else short_message(error)
+        raise RejectedUtterance(f"unreadable media file ({reason})", UNREADABLE) from error
+
+
+def _opened(path: Path):
+    """The container of a local file; see :func:`open_media`."""
+    try:
+        return av.open(f"file:{path}", options=LOCAL, metadata_errors="replace")
+    except av.error.ArgumentError as error:
+        reason = "it is no recording, or a list of other files, which are not opened"
         raise RejectedUtterance(f"unreadable media file ({reason})", UNREADABLE) from error
 
 
@@ -37,15 +67,22 @@ def video_stream(container):
     Raises
     ------
     RejectedUtterance
-        There is none, or it has no frame rate.
+        There is none, its codec is not known, or its frame rate or size is missing or absurd.
     """
     if not container.streams.video:
         raise RejectedUtterance("no video stream", "Give the recording's video file.")
     stream = container.streams.video[0]
-    if not frame_rate(stream):
+    codec, rate = stream.codec_context, frame_rate(stream)
+    if codec is None:
+        raise RejectedUtterance("unknown video codec", UNREADABLE)
+    if not rate:
         raise RejectedUtterance("no frame rate in the video file", UNREADABLE)
+    if rate > MAX_FRAME_RATE:
+        raise RejectedUtterance(f"the header states {rate:.4g} frames per second", UNREADABLE)
+    if codec.width * codec.height > MAX_PIXELS:
+        raise RejectedUtterance(f"frames of {codec.width} x {codec.height} pixels are too large", UNREADABLE)
     # With one decoding thread pixels and cost are the same on every machine.
-    stream.codec_context.thread_count = 1
+    codec.thread_count = 1
     return stream
 
 
@@ -55,11 +92,22 @@ def audio_stream(container):
     Raises
     ------
     RejectedUtterance
-        There is none.
+        There is none, its codec is not known, or its sample rate is absurd.
     """
     if not container.streams.audio:
         raise RejectedUtterance("no audio stream", "Record with sound, or mux the sound into the video file.")
-    return container.streams.audio[0]
+    stream = container.streams.audio[0]
+    if stream.codec_context is None:
+        raise RejectedUtterance("unknown audio codec", UNREADABLE)
+    rate = stream.codec_context.sample_rate
+    if rate and not _is_sample_rate(rate):  # some containers leave it to the decoder
+        raise RejectedUtterance(f"the header states a sample rate of {rate} Hz", UNREADABLE)
+    return stream
+
+
+def _is_sample_rate(rate: int) -> bool:
+    lowest, highest = SAMPLE_RATES
+    return lowest <= rate <= highest
 
 
 def frame_rate(stream) -> float:
@@ -70,7 +118,7 @@ def frame_rate(stream) -> float:
 def origin(container) -> float:
     """Time stamp of the first frame in seconds; of the first sound if there is no video."""
     for stream in (*container.streams.video[:1], *container.streams.audio[:1]):
-        if stream.start_time is not None:
+        if stream.start_time is not None and stream.time_base:
             return float(stream.start_time * stream.time_base)
     return 0.0
 
@@ -86,7 +134,7 @@ def to_frame_borders(start: float, end: float, rate: float) -> tuple[float, int]
 
 def decode_stream(container, stream, first: float) -> Iterator:
     """Frames of a stream from ``first`` seconds after its beginning, or a little before; None for a damaged packet."""
-    if first >= MIN_SEEK_TIME and stream.start_time is not None:
+    if first >= MIN_SEEK_TIME and stream.start_time is not None and stream.time_base:
         with suppress(av.FFmpegError, OSError):  # streams without seeking are decoded from the beginning
             container.seek(stream.start_time + int((first - SEEK_MARGIN) / stream.time_base), stream=stream)
     try:
@@ -182,10 +230,11 @@ def audio_chunks(frames: Iterable, rate: int, origin: float) -> Iterator[tuple[f
 
     def mixed(out) -> np.ndarray:
         # Channels are averaged here because the resampler's own mix to mono can exceed full scale.
-        return out.to_ndarray().mean(axis=0)
+        with np.errstate(all="ignore"):  # damaged packets of floating-point codecs decode to any value
+            return out.to_ndarray().mean(axis=0)
 
     for frame in frames:
-        if frame is None:
+        if frame is None or not _is_sample_rate(frame.rate):
             continue
         time = due if frame.time is None else frame.time - origin
         if resampler is not None and _clock_jumps(time - due):

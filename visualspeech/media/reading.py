@@ -33,6 +33,9 @@ from visualspeech.media.decoding import (
     with_silence,
 )
 
+#: Containers whose header states the duration, which outlives a truncation.
+HEADERS = ("mov", "matroska", "avi", "asf", "flv")
+
 
 @dataclass(frozen=True)
 class MediaInfo:
@@ -42,10 +45,11 @@ class MediaInfo:
     ----------
     rate : frame rate in Hz, the average if it varies
     width, height : size in pixels as shown
-    audio_rate : sample rate in Hz; 0 if there is no audio stream
+    audio_rate : sample rate in Hz; 0 if there is no audio stream, or none that can be decoded
     duration, video_duration : seconds from the first frame to the end of the recording and of its video stream; 0 if
         the header does not state them
     early_sound : seconds of sound before the first frame, which are left out
+    announced : whether the header states the durations; else they are those of what is left of the file
     """
 
     rate: float
@@ -55,6 +59,7 @@ class MediaInfo:
     duration: float
     video_duration: float = 0.0
     early_sound: float = 0.0
+    announced: bool = False
 
 
 def probe(path: str | Path) -> MediaInfo:
@@ -68,22 +73,25 @@ def probe(path: str | Path) -> MediaInfo:
     with open_media(path) as container:
         video = video_stream(container)
         audio = container.streams.audio[0] if container.streams.audio else None
+        codec = audio.codec_context if audio else None
         width, height = video.codec_context.width, video.codec_context.height
         if _is_sideways(container, video):
             width, height = height, width
         rate, begin = frame_rate(video), origin(container)
         whole = float(container.duration or 0) / av.time_base
-        sound = audio.start_time * audio.time_base if audio and audio.start_time is not None else begin
+        times = (audio.start_time, audio.time_base) if audio else (None, None)
+        sound = begin if None in times else times[0] * times[1]
         # FFmpeg takes the duration of an AVI without index from what is left of it; the header has the frame count.
-        seconds = video.frames / rate if container.format.name == "avi" else (video.duration or 0) * video.time_base
+        stated = float(video.duration or 0) * float(video.time_base or 0)
         return MediaInfo(
             rate=rate,
             width=width,
             height=height,
-            audio_rate=(audio.rate or 0) if audio else 0,
+            audio_rate=(codec.sample_rate or 0) if codec else 0,
             duration=max(0.0, whole + float(container.start_time or 0) / av.time_base - begin) if whole else 0.0,
-            video_duration=float(seconds),
+            video_duration=video.frames / rate if container.format.name == "avi" else stated,
             early_sound=max(0.0, begin - float(sound)),
+            announced=container.format.name.startswith(HEADERS),
         )
 
 

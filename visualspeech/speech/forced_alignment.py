@@ -80,6 +80,18 @@ class AlignmentSettings(Settings):
         above=0,
         maximum=1_000_000,
     )
+    word_mismatch_threshold: float = setting(
+        45.0,
+        "A word in which the same difference exceeds this counts as not said (log score of the decoder per frame).",
+        above=0,
+        maximum=1_000_000,
+    )
+    rejected_word_share: float = setting(
+        0.25,
+        "Share of the words, at least two of them, that count as not said, from which on an utterance is rejected.",
+        above=0,
+        maximum=1,
+    )
     max_short_phone_share: float = setting(
         0.55,
         "An utterance is rejected if a larger share of its phones has the minimum duration of three frames (30 ms).",
@@ -216,7 +228,20 @@ def _rejection(phones, sound, words, settings) -> RejectedUtterance | None:
             f"(mismatch {each[worst]:.0f}, limit {settings.max_word_mismatch:g})",
             LISTEN,
         )
+    missing = [word for word, value in zip(words, each, strict=True) if value > settings.word_mismatch_threshold]
+    if len(missing) >= max(2, settings.rejected_word_share * len(words)):
+        return RejectedUtterance(
+            f"the transcript is not what is said: {len(missing)} of {len(words)} words do not match the sound, "
+            f"{_listed(missing)} (mismatch above {settings.word_mismatch_threshold:g}, limit "
+            f"{settings.rejected_word_share:.0%} of the words)",
+            LISTEN,
+        )
     return None
+
+
+def _listed(words: list[str], most: int = 5) -> str:
+    """Words for a message: at most ``most`` of them."""
+    return ", ".join(map(repr, words[:most])) + " ..." * (len(words) > most)
 
 
 def has_speech(samples: np.ndarray) -> bool:

@@ -66,6 +66,8 @@ def reported(wildcards):
             "targets": shards("<system>/targets/{shard}.h5")(one),
             "rows": [row.plain() for row in curved_rows(one.system)],
             "curves": filled("<model>/learning_curve.tsv", one, model=[row.name for row in curved_rows(one.system)]),
+            "utterances": of_coding("utterances.tsv")(one),
+            "findings": of_coding("findings.tsv")(one),
             "coding": of_coding("model.safetensors")(one),
             "reference": of_coding("reference.safetensors")(one),
             "model": system_of(one)["videos"]["model"],

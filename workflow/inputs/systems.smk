@@ -76,10 +76,16 @@ def heads_of(wildcards):
 
 
 def findings_of(wildcards):
-    """Findings of the check and of every shard's alignment and tracking."""
-    stages = ("<corpus>/alignment/{shard}.findings.tsv", "<corpus>/landmarks/{shard}.findings.tsv")
+    """Findings of the check and of every shard's alignment, tracking and head pose."""
+    stages = [shards(f"<corpus>/{stage}/{{shard}}.findings.tsv") for stage in ("alignment", "landmarks", "pose")]
     checked = filled("<corpus>/check/findings.tsv", wildcards)
-    return [*checked, *(path for pattern in stages for path in shards(pattern)(wildcards))]
+    return [*checked, *(path for stage in stages for path in stage(wildcards))]
+
+
+def faces_findings_of(wildcards):
+    """Findings of every shard of the stages of a visual coding that read the recordings."""
+    stages = ["textures", *(["fitted"] if coding_of(wildcards)["source"] == "fit" else [])]
+    return [path for one in stages for path in shards(f"<coding>/{one}/{{shard}}.findings.tsv")(wildcards)]
 
 
 def points_code(script):

@@ -93,6 +93,7 @@ def tabulated(wildcards):
             "title": system_of(one)["title"] or one.system,
             "rows": plain_rows()(one),
             "statistics": statistics_of()(one),
+            "utterances": of_coding("utterances.tsv")(one),
             "coding": of_coding("model.safetensors")(one),
             "facts": facts_of(one),
         }

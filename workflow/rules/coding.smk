@@ -30,7 +30,8 @@ rule sample_textures:
         alignment="<corpus>/alignment/{shard}.tsv",
         recordings=recordings,
     output:
-        "<coding>/textures/{shard}.h5",
+        textures="<coding>/textures/{shard}.h5",
+        findings="<coding>/textures/{shard}.findings.tsv",
     log:
         "<coding>/logs/sample_textures/{shard}.log",
     benchmark:
@@ -83,7 +84,8 @@ rule fit_faces:
         alignment="<corpus>/alignment/{shard}.tsv",
         recordings=recordings,
     output:
-        "<coding>/fitted/{shard}.h5",
+        fitted="<coding>/fitted/{shard}.h5",
+        findings="<coding>/fitted/{shard}.findings.tsv",
     log:
         "<coding>/logs/fit_faces/{shard}.log",
     benchmark:
@@ -100,6 +102,25 @@ rule fit_faces:
         code=points_code("fit_faces.py"),
     script:
         "../scripts/fit_faces.py"
+
+
+# The utterances that models of this coding see: a recording can fail where it is read again for its faces.
+rule accept_faces:
+    input:
+        utterances="<corpus>/utterances.tsv",
+        split="<corpus>/corpus/split.tsv",
+        earlier="<corpus>/findings.tsv",
+        findings=faces_findings_of,
+    output:
+        accepted="<coding>/utterances.tsv",
+        findings="<coding>/findings.tsv",
+    log:
+        "<coding>/logs/accept_faces.log",
+    params:
+        limit=SETTINGS["max_rejected_share"],
+        code=code("accept_faces.py"),
+    script:
+        "../scripts/accept_faces.py"
 
 
 rule encode_appearance:

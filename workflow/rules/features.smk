@@ -22,7 +22,7 @@ rule build_targets:
 
 rule fit_block:
     input:
-        utterances="<corpus>/utterances.tsv",
+        utterances=of_coding("utterances.tsv"),
         phones="<corpus>/phones.tsv",
         alignment=shards("<corpus>/alignment/{shard}.tsv"),
         targets=shards("<system>/targets/{shard}.h5"),

@@ -1,7 +1,7 @@
 # One rule trains every model and one predicts: the row of the tables says how.
 rule train_model:
     input:
-        utterances="<corpus>/utterances.tsv",
+        utterances=of_coding("utterances.tsv"),
         coding=of_coding("model.safetensors"),
         targets=shards("<system>/targets/{shard}.h5"),
         blocks=lambda wildcards: filled(
@@ -38,7 +38,7 @@ rule train_model:
 
 rule predict_model:
     input:
-        utterances="<corpus>/utterances.tsv",
+        utterances=of_coding("utterances.tsv"),
         model="<system>/models/{model}/model.safetensors",
         targets=shards("<system>/targets/{shard}.h5"),
         features=features_of,
@@ -64,7 +64,7 @@ rule predict_model:
 
 rule reconstruct_targets:
     input:
-        utterances="<corpus>/utterances.tsv",
+        utterances=of_coding("utterances.tsv"),
         targets=shards("<system>/targets/{shard}.h5"),
     output:
         "<system>/models/{model}/predictions.h5",

@@ -27,7 +27,8 @@ rule normalise_pose:
         heads=heads_of,
         landmarks="<corpus>/landmarks/{shard}.h5",
     output:
-        "<corpus>/pose/{shard}.h5",
+        pose="<corpus>/pose/{shard}.h5",
+        findings="<corpus>/pose/{shard}.findings.tsv",
     log:
         "<corpus>/logs/normalise_pose/{shard}.log",
     benchmark:

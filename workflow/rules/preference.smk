@@ -1,7 +1,7 @@
 # Material of a preference test (Fan 2015, Fig. 4), and what its viewers answered.
 rule render_pairs:
     input:
-        utterances="<corpus>/utterances.tsv",
+        utterances=of_coding("utterances.tsv"),
         aam=of_coding("model.safetensors"),
         reference=of_coding("reference.safetensors"),
         head=of_head,
@@ -36,7 +36,7 @@ rule render_pairs:
 
 rule tally_preference:
     input:
-        utterances="<corpus>/utterances.tsv",
+        utterances=of_coding("utterances.tsv"),
         coding=of_coding("model.safetensors"),
         statistics=statistics_of(names=of_preference),
         key="<system>/preference_key.tsv",

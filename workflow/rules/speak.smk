@@ -1,7 +1,7 @@
 # A speaker who says any text: the folder that the console command `visualspeech speak` takes, and given sentences.
 rule bundle_speaker:
     input:
-        utterances="<corpus>/utterances.tsv",
+        utterances=of_coding("utterances.tsv"),
         phones="<corpus>/phones.tsv",
         model="<system>/models/{model}/model.safetensors",
         aam=of_coding("model.safetensors"),

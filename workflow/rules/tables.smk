@@ -1,7 +1,7 @@
 # The result tables of each system, and of all systems of a corpus.
 rule measure_model:
     input:
-        utterances="<corpus>/utterances.tsv",
+        utterances=of_coding("utterances.tsv"),
         coding=of_coding("model.safetensors"),
         predictions="<system>/models/{model}/predictions.h5",
         targets=shards("<system>/targets/{shard}.h5"),
@@ -23,7 +23,7 @@ rule measure_model:
 
 rule tabulate_results:
     input:
-        utterances="<corpus>/utterances.tsv",
+        utterances=of_coding("utterances.tsv"),
         coding=of_coding("model.safetensors"),
         statistics=statistics_of(),
     output:
@@ -44,7 +44,7 @@ rule tabulate_results:
 
 rule tabulate_topologies:
     input:
-        utterances="<corpus>/utterances.tsv",
+        utterances=of_coding("utterances.tsv"),
         coding=of_coding("model.safetensors"),
         statistics=statistics_of(names=of_topologies),
     output:
@@ -64,7 +64,7 @@ rule tabulate_topologies:
 
 rule compare_models:
     input:
-        utterances="<corpus>/utterances.tsv",
+        utterances=of_coding("utterances.tsv"),
         coding=of_coding("model.safetensors"),
         statistics=statistics_of(("model", "baseline")),
     output:
@@ -86,7 +86,7 @@ rule compare_models:
 
 rule tabulate_gains:
     input:
-        utterances="<corpus>/utterances.tsv",
+        utterances=of_coding("utterances.tsv"),
         coding=of_coding("model.safetensors"),
         statistics=statistics_of(names=of_gains),
         curves=of_rows("learning_curve.tsv", lambda system: system["tables"]["gains"]["candidates"]),
@@ -112,7 +112,7 @@ rule tabulate_gains:
 
 rule tabulate_systems:
     input:
-        utterances="<corpus>/utterances.tsv",
+        utterances=of_systems(lambda wildcards: [of_coding("utterances.tsv")(wildcards)]),
         codings=of_systems(lambda wildcards: [of_coding("model.safetensors")(wildcards)]),
         statistics=of_systems(statistics_of()),
     output:

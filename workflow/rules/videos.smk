@@ -1,6 +1,6 @@
 rule render_videos:
     input:
-        utterances="<corpus>/utterances.tsv",
+        utterances=of_coding("utterances.tsv"),
         aam=of_coding("model.safetensors"),
         reference=of_coding("reference.safetensors"),
         head=of_head,

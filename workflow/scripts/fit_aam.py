@@ -8,7 +8,8 @@ from visualspeech.jobs import job
 from visualspeech.storage.arrays import ArrayCollection
 
 with job(snakemake.log[0]), ArrayCollection(snakemake.input.textures) as textures:
-    training = [one.id for one in of_split(read_utterances(snakemake.input.utterances), "train")]
+    utterances = [one for one in read_utterances(snakemake.input.utterances) if one.id in textures]
+    training = [one.id for one in of_split(utterances, "train")]
     points = read_point_set(snakemake.params.points)
     settings = AamSettings(**snakemake.params.settings, seed=snakemake.params.seed)
     fit_aam(textures, training, points, settings, snakemake.resources.tmpdir).save(snakemake.output[0])

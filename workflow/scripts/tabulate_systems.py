@@ -13,13 +13,16 @@ from visualspeech.storage.tables import read_numbers
 
 source, params = snakemake.input, snakemake.params
 with job(snakemake.log[0]):
-    split, systems = read_split(source.utterances), []
+    lists, systems = list(map(read_split, source.utterances)), []
+    # A recording can fail in one visual coding only: systems are compared on what all of them have.
+    split = {name: part for name, part in lists[0].items() if all(name in other for other in lists)}
+    lost = {name for other in lists for name, part in other.items() if part == "test" and name not in split}
     for given in params.systems:
-        measured = MeasuredRows.of(given["rows"], [read_numbers(path) for path in given["statistics"]])
+        measured = MeasuredRows.of(given["rows"], [read_numbers(path) for path in given["statistics"]]).on(split)
         facts = TableFacts.of(given["facts"], split, read_shapes(given["coding"]), measured)
         systems.append(SystemRows(given["title"], facts, measured))
     bootstrap = BootstrapSettings(**params.bootstrap, seed=params.seed)
     frame = systems_frame(systems, bootstrap)
-    tables = systems_tables(frame, systems, bootstrap, params.digits)
+    tables = systems_tables(frame, systems, bootstrap, params.digits, lost)
     for path, text in zip(snakemake.output, all_forms(frame, tables, "Systems"), strict=True):
         write_text(path, text)

@@ -14,11 +14,11 @@ with job(snakemake.log[0]):
     content = ReportContent(
         corpus=params.corpus,
         split_hash=split_hash(read_split(source.utterances)),
-        systems=tuple(gathering.system_section(given, utterances, source.alignment, page) for given in params.systems),
+        systems=tuple(gathering.system_section(given, source.alignment, page) for given in params.systems),
         tables=gathering.fragments(source.get("tables", [])),
         consent=params.consent,
         utterances=gathering.split_sizes(utterances),
-        findings=tuple(read_findings(source.findings)),
+        findings=tuple(read_findings(source.findings, *dict.fromkeys(given["findings"] for given in params.systems))),
         timings=gathering.stage_timings(source.benchmarks, source.get("landmarks", [])),
         settings=params.settings,
         versions=gathering.versions(),

@@ -6,6 +6,7 @@ import pandas
 from tests.unit.evaluation.examples import stack
 from tests.unit.speech.alignments import even_alignment
 from visualspeech.corpora.records import Utterance
+from visualspeech.corpora.table import write_accepted
 from visualspeech.evaluation import gathering, plots
 from visualspeech.evaluation.forms import to_html, to_html_page
 from visualspeech.evaluation.layout import Cell, Row, Table
@@ -42,6 +43,7 @@ def given(folder):
         "title": "Fan 2015",
         "facts": [["rate", "25 Hz"]],
         "tables": [str(folder / "objective.html")],
+        "utterances": str(folder / "utterances.tsv"),
         "targets": [arrays(folder / "targets.h5", "appearance", 10)],
         "rows": [row.plain() for row in rows],
         "curves": [str(folder / f"{row.name}.tsv") for row in rows],
@@ -55,7 +57,8 @@ def given(folder):
 
 def section(folder, **changes):
     plain = given(folder) | changes
-    return gathering.system_section(plain, UTTERANCES, [str(folder / "alignment.tsv")], str(folder / "report.html"))
+    write_accepted(plain["utterances"], UTTERANCES, {one.id: one.split for one in UTTERANCES})
+    return gathering.system_section(plain, [str(folder / "alignment.tsv")], str(folder / "report.html"))
 
 
 def test_everything_that_the_files_hold(tmp_path):
