@@ -7,8 +7,9 @@ GRID's own times come from an aligner too, in steps of 10 ms. Both are weakest a
 often begins it at a click of the lips or a breath, 0.1 to 0.4 s before the first sound of the word. That onset is
 therefore also measured against the loudness: the first time at which most of 90 ms is loud.
 
-Rejection: a transcript with every word wrong (of a recording whose six words all differ), one word wrong, words added
-at the end, words left out, an unrelated sentence, half of the recording, noise, tones, a hum.
+Rejection: a transcript with every word wrong (of a recording whose six words all differ), some words wrong, words added
+at the end, words left out, an unrelated sentence, half of the recording, noise, tones, a hum. Of 12 words are two
+recordings joined; a wrong word is another word of GRID in the same position, or one that GRID does not have.
 """
 
 import time
@@ -29,6 +30,10 @@ OTHER = (
     "Young children often use yellow yarn.",
     "Peter picked a paper from the pile.",
     "His father thinks that the weather is rather wild.",
+)
+#: Words that GRID does not have.
+FOREIGN = (
+    "children garden kitchen morning mountain ocean orange picture river science summer table water window".split()
 )
 
 
@@ -105,6 +110,21 @@ def wrong_pairs(corpus, truth, every: int) -> dict:
         words[place] = others[random.integers(len(others))]
         return " ".join(words)
 
+    def swapped(words, count, foreign):
+        words = list(words)
+        for place in random.choice(len(words), count, replace=False):
+            listed = {texts[other.id][place % 6] for other in corpus}
+            choice = FOREIGN if foreign else sorted(listed - {words[place]})
+            words[place] = choice[random.integers(len(choice))]
+        return " ".join(words)
+
+    def joined(one, count, foreign=False):
+        other = corpus[random.integers(len(corpus))]
+        return (
+            np.concatenate([sound(one), sound(other)]),
+            swapped(texts[one.id] + texts[other.id], count, foreign),
+        )
+
     def tones(_):
         t = np.arange(3 * RATE) / RATE
         chord = random.choice([220, 262, 330, 392, 440, 523, 659], 4, replace=False)
@@ -118,6 +138,13 @@ def wrong_pairs(corpus, truth, every: int) -> dict:
         "colour wrong": lambda one: (sound(one), one_word(one, 1)),
         "letter wrong": lambda one: (sound(one), one_word(one, 3)),
         "digit wrong": lambda one: (sound(one), one_word(one, 4)),
+        "2 of 6 words wrong": lambda one: (sound(one), swapped(texts[one.id], 2, False)),
+        "2 of 6 words wrong, none of GRID's": lambda one: (sound(one), swapped(texts[one.id], 2, True)),
+        "0 of 12 words wrong": lambda one: joined(one, 0),
+        "2 of 12 words wrong": lambda one: joined(one, 2),
+        "3 of 12 words wrong": lambda one: joined(one, 3),
+        "5 of 12 words wrong": lambda one: joined(one, 5),
+        "5 of 12 words wrong, none of GRID's": lambda one: joined(one, 5, True),
         "three words too many": lambda one: (sound(one), f"{one.transcript} and then turn right"),
         "last two words missing": lambda one: (sound(one), " ".join(texts[one.id][:-2])),
         "unrelated sentence": lambda one: (sound(one), OTHER[random.integers(len(OTHER))]),

@@ -48,6 +48,7 @@ def record(
     rotation: int = 0,
     options: dict[str, str] | None = None,
     late: float = 0.0,
+    tag: str = "",
 ) -> Path:
     """Write a recording and return its path; the suffix says the container.
 
@@ -58,12 +59,14 @@ def record(
     frames : the pictures, where the moving patch will not do
     rotation : degrees that a player is to turn the pictures, counterclockwise
     late : seconds after the sound that the pictures begin
+    tag : title in the file's metadata
     """
     audio = hum(seconds, audio_rate) if audio is None else audio
     frames = pictures(len(times) if times is not None else round(seconds * rate)) if frames is None else frames
     times = np.arange(len(frames)) / rate if times is None else times
     clock = 90_000
     with av.open(str(path), "w", options=options or {}) as out:
+        out.metadata.update({"title": tag} if tag else {})
         video = out.add_stream(codecs[0], rate=Fraction(rate).limit_denominator(1001))
         video.thread_count = 1
         video.pix_fmt = "yuv420p"

@@ -1,5 +1,6 @@
 """Decoding by time: the frames and the sound of a recording or of a segment of it, whatever its container."""
 
+import os
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
@@ -38,21 +39,22 @@ def open_media(path: str | Path) -> Iterator:
     Only the local file of this name is opened: no address, and no file that the file names. Text in it that is not
     UTF-8 is no error.
     """
+    local = os.fspath(path)
+    local = local if os.path.isabs(local) else os.path.join(os.getcwd(), local)
     try:
-        local = Path(path).absolute()
         # A pipe would block, and a device never ends.
-        if not local.is_file():
-            missing = "is no file" if local.exists() else "does not exist"
+        if not os.path.isfile(local):
+            missing = "is no file" if os.path.exists(local) else "does not exist"
             raise RejectedUtterance(f"the file {missing}", "Correct its name, or bring the file back.")
         with _opened(local) as container:
             yield container
     except (av.FFmpegError, OSError) as error:
-        empty = Path(path).is_file() and Path(path).stat().st_size == 0
+        empty = os.path.isfile(local) and os.path.getsize(local) == 0
         reason = "empty: 0 bytes" if empty else short_message(error)
         raise RejectedUtterance(f"unreadable media file ({reason})", UNREADABLE) from error
 
 
-def _opened(path: Path):
+def _opened(path: str):
     """The container of a local file; see :func:`open_media`."""
     try:
         return av.open(f"file:{path}", options=LOCAL, metadata_errors="replace")

@@ -98,3 +98,18 @@ def test_systems_must_share_their_test_utterances_and_differ_in_name():
         systems_frame((first, other), BOOTSTRAP)
     with pytest.raises(DataError, match="one name"):
         systems_frame((first, first), BOOTSTRAP)
+
+
+def test_systems_of_codings_that_lost_different_utterances_are_compared_on_the_common_ones():
+    first, second, _ = systems()
+    ids = list(first.measured.tables["training_mean"]["id"])
+    lacking = replace(second, measured=second.measured.on(ids[:-1]))
+    assert lacking.measured.utterances == len(ids) - 1
+    common = (replace(first, measured=first.measured.on(ids[:-1])), lacking)
+    frame = systems_frame(common, BOOTSTRAP)
+    (table,) = systems_tables(frame, common, BOOTSTRAP, lost=ids[-1:])
+    assert any("Left out" in note and ids[-1] in note for note in table.notes)
+    (whole,) = systems_tables(frame, common, BOOTSTRAP)
+    assert not any("Left out" in note for note in whole.notes)
+    every = first.measured.on(ids)
+    assert all(every.tables[name].equals(table) for name, table in first.measured.tables.items())

@@ -100,6 +100,21 @@ def test_another_sentence_is_refused(sounds, wrong):
     assert "correct the transcript" in refusal.value.remedy
 
 
+@pytest.mark.parametrize(
+    "text",
+    [
+        "Please bring my winter boat back before mountain science foxes found river few mountain.",
+        "Please bring my blue table back science yellow five foxes garden garden few vegetables.",
+    ],
+)
+def test_five_words_of_fourteen_that_are_not_said_are_refused(sounds, text):
+    sound = np.concatenate([sounds[SENTENCES[0]], sounds[SENTENCES[2]]])
+    align(sound, f"{SENTENCES[0]} {SENTENCES[2]}")
+    with pytest.raises(RejectedUtterance, match="4 of 14 words do not match the sound"):
+        align(sound, text)
+    align(sound, text, settings=AlignmentSettings(rejected_word_share=0.5))
+
+
 def test_a_sentence_of_which_half_is_missing_is_refused(sounds):
     text = SENTENCES[0]
     with pytest.raises(RejectedUtterance):
