@@ -99,8 +99,9 @@ def _speak(given: argparse.Namespace) -> None:
     if not 0 <= given.seed <= MAX_SEED:
         raise SettingError(f"--seed {shortened(given.seed)}: give a number from 0 to {MAX_SEED}.")
     voice_settings = VoiceSettings(given.voice, given.speed, given.pitch)
-    if given.model.is_file():
-        raise SettingError(f"--model {given.model} is a file; give the folder that holds speaker.json.")
+    if not os.path.isdir(given.model):
+        what = "is a file" if os.path.isfile(given.model) else "does not exist"
+        raise SettingError(f"--model {shortened(given.model)} {what}; give the folder that holds speaker.json.")
     if text is not None:
         check_pronounceable(text)  # before anything is loaded
     _check_audio(given.audio)

@@ -50,3 +50,12 @@ class RejectedUtterance(VisualSpeechError):
         super().__init__(reason)
         self.reason = reason
         self.remedy = remedy
+
+
+def plain_reason(error: BaseException, most: int = 200) -> str:
+    """What an exception of Python or of a library says, in one short line without its names of codecs and classes."""
+    if isinstance(error, UnicodeError):
+        return f"it is not UTF-8 text, byte {getattr(error, 'start', 0)}"
+    said = getattr(error, "strerror", None) or str(error) or type(error).__name__
+    line = " ".join(said.split())
+    return line if len(line) <= most else f"{line[:most]} ..."

@@ -55,7 +55,9 @@ def _attempt(here: Path, rng: random.Random) -> Result:
         return Result(case, True, said, f"status {status}, but it left {new}")
     if status not in (1, 2):
         return Result(case, True, said, f"status {status}: {said[-300:]}")
-    return refused(case, said, [str(value)[:15] for value in given.values() if value] + list(given))
+    return refused(
+        case, said, [str(value)[:15] for value in given.values() if value] + [*given, "text", "word", "speaker"]
+    )
 
 
 def _inputs(here: Path, rng: random.Random) -> dict[str, str]:
@@ -76,7 +78,7 @@ def _inputs(here: Path, rng: random.Random) -> dict[str, str]:
 def _wrong(here: Path, inputs: dict[str, str], rng: random.Random) -> Iterator[tuple[str, str]]:
     """Options with values that a user or an enemy may give."""
     paths = [*inputs.values(), str(here / "nowhere"), "", "http://127.0.0.1:9/a.wav", "concat:a|b", "-", "/dev/zero",
-             "/dev/null", "~nobodyhere/x", "a\ud800b", "a" * 300, str(_speaker() / "model.safetensors")]  # fmt: skip
+             "/dev/null", "~nobodyhere/x", "a\udce9b", "a" * 300, str(_speaker() / "model.safetensors")]  # fmt: skip
     texts = ["", " ", "?!", "\ud800", "a" * 100_000, "\0", "\u202eabc", "\U0001f600", "你好", "\x1b[31m", "1e999"]
     outputs = [str(here / f"{'o' * size}.mp4") for size in (230, 245, 252, 300)]
     outputs += [str(here / "x.avi"), str(here / "folder"), str(here / "text.txt" / "x.mp4"), "/proc/x.mp4", "/dev/null"]

@@ -8,7 +8,8 @@ from dataclasses import dataclass
 _JARGON = re.compile(
     r"Traceback|\b[A-Z]\w+(Error|Exception)\b|codec can't|object has no|NoneType|positional argument|unexpected error"
 )
-_LONGEST = 1200  # characters; a list of several mistakes may have several sentences
+_LONGEST = 1200  # characters of a line; of several mistakes each has its own
+_MOST_LINES = 52
 
 
 @dataclass(frozen=True)
@@ -46,8 +47,9 @@ def fault(said: str, names: Iterable[str] = ()) -> str:
         return "refused without a message"
     if jargon := _JARGON.search(said):
         return f"a message for programmers ({jargon[0]}): {said[:300]}"
-    if len(said) > _LONGEST:
-        return f"a message of {len(said)} characters: {said[:200]}"
+    lines = said.splitlines()
+    if len(lines) > _MOST_LINES or max(map(len, lines)) > _LONGEST:
+        return f"a message of {len(lines)} lines and {len(said)} characters: {said[:200]}"
     if names and not any(name in said for name in names):
         return f"the message names none of {names}: {said[:300]}"
     return ""

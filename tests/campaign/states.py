@@ -58,6 +58,7 @@ def _damaged(path: Path, read: Callable, rng: random.Random) -> Result:
 def _damage(data: bytes, text: bool, rng: random.Random) -> tuple[bytes, str]:
     at = rng.randrange(len(data))
     ways = {
+        "is whole": lambda: data,
         "ends early": lambda: data[:at],
         "is empty": lambda: b"",
         "lost some bytes": lambda: data[:at] + data[at + rng.choice([1, 8, 500]) :],
@@ -71,6 +72,7 @@ def _damage(data: bytes, text: bool, rng: random.Random) -> tuple[bytes, str]:
         cells = lines[line].rstrip("\n").split("\t")
         cell = rng.randrange(len(cells))
         ways = {
+            "is whole": lambda: data,
             "lost a cell": lambda: _row(lines, line, cells[:cell] + cells[cell + 1 :]),
             "has a cell more": lambda: _row(lines, line, [*cells, "x"]),
             "lost the end of a row": lambda: _row(lines, line, cells[: cell or 1]),

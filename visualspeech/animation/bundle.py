@@ -15,7 +15,7 @@ import numpy as np
 from visualspeech.animation.background import Background
 from visualspeech.animation.showable import BoundedModel, check_showable
 from visualspeech.animation.video import Speaker
-from visualspeech.errors import DamagedFile, DataError, StorageError
+from visualspeech.errors import DamagedFile, DataError, StorageError, plain_reason
 from visualspeech.face.aam.model import Aam
 from visualspeech.face.aam.reference import Reference
 from visualspeech.face.head import HeadModel
@@ -206,7 +206,7 @@ def _description(folder: Path) -> dict:
     except DamagedFile as error:
         raise DamagedFile(path, error.reason, REMEDY) from error
     except (ValueError, RecursionError) as error:
-        raise DamagedFile(path, f"it is no JSON ({error})", REMEDY) from error
+        raise DamagedFile(path, f"it is no JSON ({plain_reason(error)})", REMEDY) from error
     return about
 
 

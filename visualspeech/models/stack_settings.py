@@ -24,7 +24,7 @@ class StackSettings(Settings):
         "bidirectional LSTM; for example FBB.",
         pattern=f"[FB]{{1,{MAX_LAYERS}}}",
     )
-    nodes: int = setting(128, "Width of a hidden layer, for example 128.", minimum=1, maximum=1024)
+    nodes: int = setting(128, "Width of a hidden layer, for example 128.", minimum=1, maximum=4096)
     b_nodes: str = setting(
         "direction",
         "What the width of a B layer counts: the nodes of one direction, or of both directions of the layer.",

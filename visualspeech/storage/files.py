@@ -7,7 +7,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from tempfile import TemporaryFile
 
-from visualspeech.errors import StorageError, VisualSpeechError
+from visualspeech.errors import DamagedFile, StorageError, VisualSpeechError, plain_reason
 from visualspeech.unfinished import partial_of, remove, remove_leftovers, rename, target_of, unfinished
 
 
@@ -125,4 +125,4 @@ def read_text(path: str | Path) -> str:
     try:
         return Path(path).read_text(encoding="utf-8")
     except (OSError, UnicodeDecodeError) as error:
-        raise StorageError(f"cannot read {path}: {error}. Delete it and run again to recreate it.") from error
+        raise DamagedFile(path, plain_reason(error)) from error

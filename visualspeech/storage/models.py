@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
-from visualspeech.errors import DamagedFile
+from visualspeech.errors import DamagedFile, plain_reason
 from visualspeech.storage.files import replacing
 from visualspeech.storage.layouts import FileLayout, parse_plain
 
@@ -110,8 +110,8 @@ def _opened_model(path: str | Path) -> Iterator[tuple]:
     except RecursionError:
         raise DamagedFile(path, "its settings are nested too deeply") from None
     except (OSError, SafetensorError, LookupError, ValueError, TypeError, AttributeError) as error:
-        reason = f"it is missing, damaged, or not a model that this version of the library has written ({error!r})"
-        raise DamagedFile(path, reason) from error
+        reason = "it is missing, damaged, or not a model that this version of the library has written"
+        raise DamagedFile(path, f"{reason} ({plain_reason(error)})") from error
 
 
 def _shapes(file) -> dict[str, tuple[int, ...]]:

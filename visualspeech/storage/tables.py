@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
-from visualspeech.errors import DamagedFile
+from visualspeech.errors import DamagedFile, plain_reason
 from visualspeech.storage.files import write_text
 
 
@@ -70,7 +70,7 @@ def _read(path, text_columns, number_columns, required, edited):
         options = {"sep": "\t", "dtype": {name: str for name in text_columns}, "keep_default_na": False}
         table = pandas.read_csv(io.StringIO(text), index_col=False, **options)
     except (OSError, ValueError, csv.Error) as error:
-        raise DamagedFile(path, f"it is no table ({error})") from error
+        raise DamagedFile(path, f"it is no table ({plain_reason(error)})") from error
     for name in (*required, *number_columns):
         if name not in table.columns:
             raise DamagedFile(path, f"it has no column {name}")

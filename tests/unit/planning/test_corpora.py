@@ -9,7 +9,8 @@ import pytest
 from visualspeech.corpora.records import shard_of
 from visualspeech.corpora.split import split_utterances
 from visualspeech.errors import CorpusError, StorageError
-from visualspeech.planning.corpora import hold, plan_corpus
+from visualspeech.locks import hold
+from visualspeech.planning.corpora import plan_corpus
 
 SHARES = {"train": 0.8, "validation": 0.1, "test": 0.1}
 
@@ -163,7 +164,7 @@ def test_speakers_have_file_names_of_their_own(tmp_path):
 
 def test_the_hold_ends_with_its_process_however_it_ends(tmp_path):
     code = (
-        "import sys, time; from visualspeech.planning.corpora import hold; "
+        "import sys, time; from visualspeech.locks import hold; "
         f"lock = hold({str(tmp_path)!r}); print('held', flush=True); time.sleep(60)"
     )
     environment = {**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)}

@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from visualspeech.fields import MAX_SEED, FieldError, Settings, setting
+from visualspeech.fields import MAX_SEED, FieldError, Settings, setting, shortened
 
 WEIGHTINGS = ("variance", "none")
 #: A component has as many values as a texture; more than these fill the memory of a small machine.
@@ -119,13 +119,15 @@ def _check_target(name: str, target: Mapping) -> None:
     if not isinstance(target, Mapping) or set(target) not in ({"energy"}, {"energy", "at_most"}, {"components"}):
         raise FieldError(
             f"aam.{name}",
-            f": {target}` must be energy (a fraction such as 0.99, with at_most beside it where the number of "
-            "components is to be capped) or components (a number).",
+            f": {shortened(target)}` must be energy (a fraction such as 0.99, with at_most beside it where the number "
+            "of components is to be capped) or components (a number).",
         )
     for key, value in target.items():
         if key == "energy" and not (isinstance(value, int | float) and 0 < value < 1):
-            raise FieldError(f"aam.{name}.energy", f": {value}` must be above 0 and below 1, for example 0.99.")
+            raise FieldError(
+                f"aam.{name}.energy", f": {shortened(value)}` must be above 0 and below 1, for example 0.99."
+            )
         whole = isinstance(value, int) and not isinstance(value, bool)
         if key != "energy" and not (whole and 1 <= value <= MOST_COMPONENTS):
             rule = f"must be a whole number, at least 1 and at most {MOST_COMPONENTS}."
-            raise FieldError(f"aam.{name}.{key}", f": {value}` {rule}")
+            raise FieldError(f"aam.{name}.{key}", f": {shortened(value)}` {rule}")
