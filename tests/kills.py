@@ -19,6 +19,7 @@ import tempfile
 import time
 from collections import Counter
 from collections.abc import Iterator
+from contextlib import suppress
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -39,12 +40,14 @@ STAGES = (
     ("fan2015/tables", "fan2015/videos", "tables", "report.html"),
 )
 #: Files of one run only: they hold times of day and durations.
-OF_ONE_RUN = ("logs", "benchmarks", "report.html", ".snakemake_timestamp", ".lock", ".jobs.lock")
+OF_ONE_RUN = ("logs", "benchmarks", "learning_curve.tsv", "report.html", ".snakemake_timestamp", ".lock", ".jobs.lock")
 
 TARGETS = {"group": 4, "main process": 3, "job": 3}
 SIGNALS = {signal.SIGKILL: 6, signal.SIGTERM: 2, signal.SIGINT: 2}
 #: Seconds in which every job has to end after its run.
 GRACE = 10.0
+#: Seconds in which a run has to end whose jobs have all been stopped; on a busy machine an import takes some of them.
+PATIENCE = 30.0
 
 
 @dataclass
@@ -121,21 +124,22 @@ def kill(run: subprocess.Popen, chance: random.Random, figures: Figures) -> bool
     target = chance.choices(list(TARGETS), list(TARGETS.values()))[0]
     number = chance.choices(list(SIGNALS), list(SIGNALS.values()))[0]
     target = target if running or target != "job" else "main process"
-    try:
+    struck = {"group": sorted(running), "main process": [], "job": [chance.choice(sorted(running) or [0])]}[target]
+    with suppress(ProcessLookupError):  # it ends in this moment
         if target == "group":
             os.killpg(run.pid, number)
         else:
-            os.kill(chance.choice(sorted(running)) if target == "job" else run.pid, number)
-    except ProcessLookupError:  # it ended in this moment
-        pass
+            os.kill(struck[0] if struck else run.pid, number)
     figures.kills[f"{number.name} to the {target}"] += 1
     figures.stages.update(set(running.values()) or {"none (planning, or between jobs)"})
-    try:
-        run.wait(120)  # jobs that got no signal may finish, where Snakemake waits for them
-    except subprocess.TimeoutExpired:
-        figures.faults.append(f"still running 120 s after {number.name} to the {target}")
+    wait(run, PATIENCE)
+    if run.poll() is None:  # Snakemake lets jobs finish that got no signal
+        left = jobs(run)
+        if not left or set(struck) & set(left):
+            figures.faults.append(f"alive {PATIENCE:.0f} s after {number.name} to the {target}: {processes(run.pid)}")
         os.killpg(run.pid, signal.SIGKILL)
         run.wait()
+        figures.kills["SIGKILL to the group that was waiting for jobs"] += 1
     return bool(running)
 
 

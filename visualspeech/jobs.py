@@ -5,8 +5,10 @@ import json
 import logging
 import os
 import shlex
+import signal
 import subprocess
 import sys
+import threading
 import time
 import traceback
 from collections.abc import Iterable, Iterator
@@ -70,6 +72,17 @@ def settle_messages() -> None:
             show_ignored(ignored)
 
     sys.excepthook, sys.unraisablehook = shown, shown_ignored
+
+
+def settle_sigterm() -> None:
+    """Run the main process's own handler of SIGTERM in a thread; called when that handler is in place.
+
+    Snakemake's takes a lock that the interrupted code may hold (``JobScheduler.exit_gracefully``), and then waits for
+    ever.
+    """
+    handler = signal.getsignal(signal.SIGTERM)
+    if callable(handler):
+        signal.signal(signal.SIGTERM, lambda *given: threading.Thread(target=handler, args=given).start())
 
 
 def settle_locks(folders: Iterable[str | Path]) -> None:

@@ -55,9 +55,8 @@ def _attempt(here: Path, rng: random.Random) -> Result:
         return Result(case, True, said, f"status {status}, but it left {new}")
     if status not in (1, 2):
         return Result(case, True, said, f"status {status}: {said[-300:]}")
-    return refused(
-        case, said, [str(value)[:15] for value in given.values() if value] + [*given, "text", "word", "speaker"]
-    )
+    names = [*given, "text", "word", "speaker", *(str(value)[:5] for value in given.values() if value)]
+    return refused(case, said, names)
 
 
 def _inputs(here: Path, rng: random.Random) -> dict[str, str]:

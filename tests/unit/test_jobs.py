@@ -2,8 +2,10 @@
 
 import logging
 import os
+import signal
 import subprocess
 import sys
+import threading
 
 import pytest
 
@@ -93,6 +95,23 @@ def test_ctrl_c_while_planning_is_one_line():
         assert ran.returncode and len(ran.stderr.splitlines()) <= lines
         assert ("run the same command again" in ran.stderr) == (error == "KeyboardInterrupt")
         assert ("Traceback" in ran.stderr) == (error == "ValueError")
+
+
+def test_sigterm_does_not_wait_for_a_lock_of_the_code_that_it_interrupts():
+    lock, answered = threading.Lock(), threading.Event()
+
+    def handler(*_):
+        with lock:
+            answered.set()
+
+    before = signal.signal(signal.SIGTERM, handler)
+    try:
+        jobs.settle_sigterm()
+        with lock:
+            signal.raise_signal(signal.SIGTERM)  # without the thread, the handler would wait here for ever
+        assert answered.wait(10)
+    finally:
+        signal.signal(signal.SIGTERM, before)
 
 
 def test_progress_yields_all_and_says_how_far(caplog, monkeypatch):

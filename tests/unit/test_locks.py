@@ -68,3 +68,18 @@ def test_a_file_system_without_locks_is_a_sentence(tmp_path, monkeypatch):
     monkeypatch.setattr(locks.fcntl, "flock", refuse)
     with pytest.raises(StorageError, match=r"cannot lock .*No locks available"):
         hold(tmp_path)
+
+
+def test_the_hold_ends_with_its_process_however_it_ends(tmp_path):
+    code = (
+        "import sys, time; from visualspeech.locks import hold; "
+        f"lock = hold({str(tmp_path)!r}); print('held', flush=True); time.sleep(60)"
+    )
+    environment = {**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)}
+    other = subprocess.Popen([sys.executable, "-c", code], stdout=subprocess.PIPE, text=True, env=environment)
+    assert other.stdout.readline() == "held\n"
+    with pytest.raises(StorageError, match="another run is using"):
+        hold(tmp_path)
+    other.kill()
+    other.wait()
+    hold(tmp_path).close()

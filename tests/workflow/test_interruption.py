@@ -50,7 +50,7 @@ def test_random_kills_end_in_the_same_files(tiny_run, tmp_path):
     """A short campaign of ``python -m tests.kills``: groups, Snakemake alone, single jobs."""
     figures = kills.campaign(tmp_path / "work", tiny_run, kills=5, seed=2, minutes=10)
     assert figures.faults == []
-    assert sum(figures.kills.values()) == 5
+    assert sum(figures.kills.values()) >= 5
 
 
 @pytest.mark.parametrize("number", [signal.SIGKILL, signal.SIGINT])

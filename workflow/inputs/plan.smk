@@ -5,7 +5,7 @@ from snakemake.exceptions import WorkflowError
 from snakemake.io import strip_wildcard_constraints
 
 from visualspeech.errors import VisualSpeechError
-from visualspeech.jobs import settle_locks
+from visualspeech.jobs import settle_locks, settle_sigterm
 from visualspeech.locks import hold
 from visualspeech.planning.run import plan_run
 from visualspeech.provenance import code_digest, digest
@@ -36,6 +36,7 @@ def hold_corpora():
     except VisualSpeechError as error:
         raise WorkflowError(str(error))
     settle_locks(folders)
+    settle_sigterm()
 
 
 def one_of(names):

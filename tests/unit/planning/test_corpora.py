@@ -1,15 +1,10 @@
-"""The plan of a corpus: utterances, shards, split and speakers, without writing; and the hold on the results folder."""
-
-import os
-import subprocess
-import sys
+"""The plan of a corpus: utterances, shards, split and speakers, without writing."""
 
 import pytest
 
 from visualspeech.corpora.records import shard_of
 from visualspeech.corpora.split import split_utterances
-from visualspeech.errors import CorpusError, StorageError
-from visualspeech.locks import hold
+from visualspeech.errors import CorpusError
 from visualspeech.planning.corpora import plan_corpus
 
 SHARES = {"train": 0.8, "validation": 0.1, "test": 0.1}
@@ -160,25 +155,3 @@ def test_speakers_have_file_names_of_their_own(tmp_path):
     )
     with pytest.raises(CorpusError, match="differ only in how their letters are encoded"):
         plan(folder(tmp_path, {}, "list.csv"))
-
-
-def test_the_hold_ends_with_its_process_however_it_ends(tmp_path):
-    code = (
-        "import sys, time; from visualspeech.locks import hold; "
-        f"lock = hold({str(tmp_path)!r}); print('held', flush=True); time.sleep(60)"
-    )
-    environment = {**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)}
-    other = subprocess.Popen([sys.executable, "-c", code], stdout=subprocess.PIPE, text=True, env=environment)
-    assert other.stdout.readline() == "held\n"
-    with pytest.raises(StorageError, match="another run is using"):
-        hold(tmp_path)
-    other.kill()
-    other.wait()
-    hold(tmp_path).close()
-
-
-def test_a_file_in_the_place_of_the_results_is_a_sentence(tmp_path):
-    (tmp_path / "results").write_text("")
-    with pytest.raises(StorageError, match="cannot write to the results folder"):
-        hold(tmp_path / "results")
-    assert os.path.isfile(tmp_path / "results")
