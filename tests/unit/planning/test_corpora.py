@@ -1,5 +1,7 @@
 """The plan of a corpus: utterances, shards, split and speakers, without writing."""
 
+import os
+
 import pytest
 
 from visualspeech.corpora.records import shard_of
