@@ -65,7 +65,7 @@ def test_a_recording_with_its_text_becomes_a_video(speaker, tmp_path, capsys):
         (["--audio", "nowhere.wav", "--text", "Hello."], 1, "nowhere.wav: the file does not exist"),
         (["--text", "Hello.", "-o", "out.avi"], 2, "ends in .mp4"),
         (["--text", "Hello.", "--model", "nowhere"], 2, "--model nowhere does not exist"),
-        (["--text", "Hello.", "--model", "."], 1, "holds no speaker.json"),
+        (["--text", "Hello.", "--model", "/usr"], 1, "holds no speaker.json"),
         (["--text", "Hello.", "--seed", "-1"], 2, "--seed"),
         (["--text", "Hello.", "-o", "/proc/nowhere/out.mp4"], 1, "cannot write /proc/nowhere/out.mp4"),
         (["--nonsense"], 2, "unrecognized arguments"),
