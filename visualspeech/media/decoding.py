@@ -233,7 +233,8 @@ def audio_chunks(frames: Iterable, rate: int, origin: float) -> Iterator[tuple[f
     def mixed(out) -> np.ndarray:
         # Channels are averaged here because the resampler's own mix to mono can exceed full scale.
         with np.errstate(all="ignore"):  # damaged packets of floating-point codecs decode to any value
-            return out.to_ndarray().mean(axis=0)
+            samples = out.to_ndarray()
+            return samples.mean(axis=0) if out.format.is_planar else samples.reshape(-1, out.layout.nb_channels).mean(1)
 
     for frame in frames:
         if frame is None or not _is_sample_rate(frame.rate):
@@ -248,7 +249,9 @@ def audio_chunks(frames: Iterable, rate: int, origin: float) -> Iterator[tuple[f
         ):
             if resampler is not None:
                 yield from ((None, mixed(out)) for out in resampler.resample(None))
-            resampler, begin = av.AudioResampler(format="fltp", layout=frame.layout, rate=rate), time
+            # PyAV reads a plane too many of planar frames with eight channels, beyond the memory of the frame.
+            order = "flt" if frame.layout.nb_channels >= 8 else "fltp"
+            resampler, begin = av.AudioResampler(format=order, layout=frame.layout, rate=rate), time
             due, layout = time, (frame.format.name, frame.layout.name, frame.rate)
             yield begin, np.zeros(0, np.float32)
         due += frame.samples / frame.rate

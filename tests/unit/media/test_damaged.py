@@ -3,6 +3,8 @@
 import os
 import shutil
 import socket
+import subprocess
+import sys
 
 import numpy as np
 import pytest
@@ -96,6 +98,24 @@ def test_sound_that_is_not_a_number_is_silence(tmp_path):
     sound[2000:3000], sound[4000:5000] = np.nan, np.inf
     soundfile.write(tmp_path / "a.wav", sound, 16_000, subtype="FLOAT")
     assert np.isfinite(reading.read_audio(tmp_path / "a.wav", 16_000)).all()
+
+
+def test_sound_of_eight_channels_is_averaged(tmp_path):
+    """In a process of its own: reading beyond the memory of a frame ends the process, not only the test."""
+    import av
+
+    path, channels = tmp_path / "a.mkv", np.linspace(0.1, 0.8, 8)
+    with av.open(str(path), "w") as out:
+        stream = out.add_stream("pcm_s16le", rate=16_000, layout="7.1")
+        sound = np.tile(np.round(channels * 32767).astype(np.int16), 9600)
+        for start in range(0, 9600, 960):
+            frame = av.AudioFrame.from_ndarray(sound[None, start * 8 : (start + 960) * 8], format="s16", layout="7.1")
+            frame.sample_rate, frame.pts = 16_000, start
+            out.mux(stream.encode(frame))
+        out.mux(stream.encode(None))
+    script = f"from visualspeech.media.reading import read_audio; print(read_audio({str(path)!r}, 16000).mean())"
+    done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True)
+    assert float(done.stdout) == pytest.approx(channels.mean(), abs=1e-3)
 
 
 PLAYLISTS = {
