@@ -103,6 +103,7 @@ rule pose:
 rule coding:
     input:
         for_corpora("<coding>/parameters/{shard}.h5"),
+        for_corpora("<coding>/utterances.tsv"),
 
 
 rule features:
