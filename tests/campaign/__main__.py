@@ -5,18 +5,11 @@ exit status is 1 if there is one.
 """
 
 import argparse
-import importlib
 import os
 import sys
-import tempfile
-import time
 from multiprocessing import get_context
-from pathlib import Path
 
-from tests.campaign.results import Result
-
-#: Kind -> its share of the cases, by what an attempt costs and how much it can find.
-KINDS = {"media": 0.2, "names": 0.2, "tables": 0.15, "states": 0.2, "commands": 0.05, "settings": 0.1, "speakers": 0.1}
+from tests.campaign.kinds import KINDS, run_kind
 
 
 def main() -> int:
@@ -34,7 +27,7 @@ def main() -> int:
     wrong = []
     # Processes of their own: what one kind leaves behind, or dies of, does not reach another.
     with get_context("spawn").Pool(min(len(jobs), os.cpu_count() or 1), maxtasksperchild=1) as pool:
-        for kind, results, seconds in pool.imap(_run, jobs):
+        for kind, results, seconds in pool.imap(run_kind, jobs):
             faults = [one for one in results if one.wrong]
             refusals = sum(one.refused for one in results if not one.wrong)
             print(
@@ -46,14 +39,6 @@ def main() -> int:
     for kind, one in wrong:
         print(f"\n{kind}: {one.case}\n    {one.wrong}")
     return 1 if wrong else 0
-
-
-def _run(job: tuple[str, int, int]) -> tuple[str, list[Result], float]:
-    kind, seed, count = job
-    start = time.monotonic()
-    with tempfile.TemporaryDirectory(prefix="visualspeech.campaign.") as folder:
-        results = importlib.import_module(f"tests.campaign.{kind}").run(Path(folder), seed, count)
-    return kind, results, time.monotonic() - start
 
 
 if __name__ == "__main__":
