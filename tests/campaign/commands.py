@@ -85,7 +85,7 @@ def _wrong(here: Path, inputs: dict[str, str], rng: random.Random) -> Iterator[t
     yield "--model", rng.choice(paths)
     yield "--text", rng.choice(texts)
     yield "--text-file", rng.choice(paths)
-    yield "--audio", rng.choice(paths)
+    yield "--audio", rng.choice([path for path in paths if path])  # an empty path is the folder "."
     yield "-o", rng.choice(outputs)
     for option in ("--speed", "--pitch", "--seed"):
         yield option, rng.choice(numbers)
