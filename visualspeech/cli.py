@@ -18,7 +18,7 @@ from visualspeech.fields import MAX_SEED, shortened
 from visualspeech.interruption import stoppable
 from visualspeech.jobs import log
 
-#: Bytes of the name and path of a video; it is written under a temporary name, which is up to 17 bytes longer.
+#: Bytes of the name and path of a video; a temporary name that holds it whole still fits in a file system.
 MAX_NAME, MAX_PATH = 238, 4000
 
 # torch, dlib and the media libraries are imported only when a command runs, so that help and errors appear at once.

@@ -67,8 +67,8 @@ def plan_corpus(corpus: Mapping, shards: int, shares: Mapping[str, float], seed:
     if made_here:
         corpus = {**corpus, "root": f"{results}/{corpus['name']}/recordings", "shards": shards}
     utterances = list_utterances(corpus)
-    sound = [one for one in utterances if not one.problem]
-    if not sound:
+    usable = [one for one in utterances if not one.problem]
+    if not usable:
         first = utterances[0]
         raise CorpusError(
             f"no utterance of the corpus {corpus['name']} can be used ({len(utterances)} are listed). The first one, "
@@ -89,8 +89,8 @@ def plan_corpus(corpus: Mapping, shards: int, shares: Mapping[str, float], seed:
         recorded_here={shard: f"{corpus['root']}/{shard}" for shard in by_shard} if made_here else {},
         # Files that the run itself makes are inputs of its jobs; their digest at planning would say nothing.
         recordings=cache(lambda shard: "" if made_here else recordings_digest(by_shard[shard], by_content)),
-        speakers=_speakers(sound, corpus["name"]),
-        gives=_gives(sound),
+        speakers=_speakers(usable, corpus["name"]),
+        gives=_gives(usable),
     )
 
 

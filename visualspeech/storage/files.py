@@ -62,15 +62,8 @@ def replacing(path: str | Path) -> Iterator[Path]:
 
 def _append(path: Path, size: int = 1 << 20) -> None:
     """Try to write more into an unfinished file or folder; raises OSError where the disk is full."""
-    if path.is_dir():
-        with TemporaryFile(dir=path) as file:
-            file.write(bytes(size))
-    elif path.exists():
-        with path.open("ab") as file:
-            file.write(bytes(size))
-    else:
-        with TemporaryFile(dir=path.parent) as file:
-            file.write(bytes(size))
+    with path.open("ab") if path.is_file() else TemporaryFile(dir=path if path.is_dir() else path.parent) as file:
+        file.write(bytes(size))
 
 
 def check_writable(path: str | Path) -> None:

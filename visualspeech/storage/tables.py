@@ -24,7 +24,7 @@ def write_table(path: str | Path, table) -> None:
 def read_table(
     path: str | Path,
     text_columns: Collection[str] = ("id",),
-    number_columns: Collection[str] = (),
+    number_columns: Collection[str] | None = (),
     required: Collection[str] = (),
     edited: bool = False,
 ):
@@ -36,7 +36,8 @@ def read_table(
     Parameters
     ----------
     text_columns : stay text even where they look like numbers
-    number_columns : must hold numbers or nothing; columns of neither kind are numbers if all of their cells are
+    number_columns : must hold numbers or nothing; None: all that are no text columns. Columns of neither kind are
+        numbers if all of their cells are
     required : columns that the table must have, beside the number columns
     edited : whether people edit the table: blank lines, and a last line without its end, are then no damage, and the
         advice is not to delete it
@@ -57,8 +58,7 @@ def read_table(
 
 def read_numbers(path: str | Path, required: Collection[str] = ()):
     """Read a TSV as :func:`read_table`; all columns but ``id`` must hold numbers or nothing."""
-    table = read_table(path, required=required)
-    return read_table(path, number_columns=[name for name in table.columns if name != "id"])
+    return read_table(path, number_columns=None, required=required)
 
 
 def _read(path, text_columns, number_columns, required, edited):
@@ -71,6 +71,8 @@ def _read(path, text_columns, number_columns, required, edited):
         table = pandas.read_csv(io.StringIO(text), index_col=False, **options)
     except (OSError, ValueError, csv.Error) as error:
         raise DamagedFile(path, f"it is no table ({plain_reason(error)})") from error
+    if number_columns is None:
+        number_columns = [name for name in table.columns if name not in text_columns]
     for name in (*required, *number_columns):
         if name not in table.columns:
             raise DamagedFile(path, f"it has no column {name}")

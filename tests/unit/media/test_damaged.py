@@ -5,6 +5,7 @@ import shutil
 import socket
 import subprocess
 import sys
+from contextlib import contextmanager
 
 import numpy as np
 import pytest
@@ -127,20 +128,26 @@ PLAYLISTS = {
 }
 
 
+@contextmanager
+def server_that_nobody_calls():
+    """The port of a server; fails where the block opened a connection to it."""
+    with socket.create_server(("127.0.0.1", 0)) as server:
+        yield server.getsockname()[1]
+        server.settimeout(0.05)
+        with pytest.raises(TimeoutError):
+            server.accept()
+
+
 @pytest.mark.parametrize("suffix", ["mp4", "m3u8", "sdp"])
 @pytest.mark.parametrize("kind", PLAYLISTS)
 def test_lists_of_other_files_open_none_of_them(tmp_path, kind, suffix):
     small(tmp_path / "other.mp4")
-    with socket.create_server(("127.0.0.1", 0)) as server:
-        address = f"http://127.0.0.1:{server.getsockname()[1]}/a.mp4"
-        path = tmp_path / f"list.{suffix}"
-        path.write_text(PLAYLISTS[kind].format(address=address))
+    path = tmp_path / f"list.{suffix}"
+    with server_that_nobody_calls() as port:
+        path.write_text(PLAYLISTS[kind].format(address=f"http://127.0.0.1:{port}/a.mp4"))
         for read in READERS.values():
             with pytest.raises(RejectedUtterance, match="unreadable media file"):
                 read(path)
-        server.settimeout(0.05)
-        with pytest.raises(TimeoutError):
-            server.accept()
 
 
 @pytest.mark.parametrize(
@@ -149,14 +156,11 @@ def test_lists_of_other_files_open_none_of_them(tmp_path, kind, suffix):
 def test_addresses_are_names_of_files(tmp_path, monkeypatch, scheme):
     monkeypatch.chdir(tmp_path)
     small(tmp_path / "a.mp4")
-    with socket.create_server(("127.0.0.1", 0)) as server:
-        name = scheme.format(port=server.getsockname()[1], file="a.mp4")
+    with server_that_nobody_calls() as port:
+        name = scheme.format(port=port, file="a.mp4")
         for read in READERS.values():
             with pytest.raises(RejectedUtterance, match="does not exist"):
                 read(name)
-        server.settimeout(0.05)
-        with pytest.raises(TimeoutError):
-            server.accept()
 
 
 @pytest.mark.parametrize(
