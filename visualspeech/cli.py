@@ -19,7 +19,7 @@ from visualspeech.interruption import stoppable
 from visualspeech.jobs import log
 
 #: Bytes of the name and path of a video; a temporary name that holds it whole still fits in a file system.
-MAX_NAME, MAX_PATH = 238, 4000
+MAX_NAME, MAX_PATH = 255, 4000
 
 # torch, dlib and the media libraries are imported only when a command runs, so that help and errors appear at once.
 
@@ -179,9 +179,10 @@ def _check_output(given: argparse.Namespace) -> None:
     size = len(os.fsencode(path.name))
     if size > MAX_NAME:
         raise SettingError(f"--output: the name of the file has {size} bytes; give one of at most {MAX_NAME}.")
-    if any(len(os.fsencode(part)) > 255 for part in path.parts) or len(os.fsencode(path.absolute())) > MAX_PATH:
+    if any(len(os.fsencode(part)) > MAX_NAME for part in path.parts) or len(os.fsencode(path.absolute())) > MAX_PATH:
         raise SettingError(
-            f"--output: a path has at most {MAX_PATH} bytes, and the name of a folder at most 255; give a shorter one."
+            f"--output: a path has at most {MAX_PATH} bytes, and the name of a folder at most {MAX_NAME}; give a "
+            "shorter one."
         )
     if any("\ud800" <= character <= "\udfff" for character in str(path)):
         raise SettingError(f"--output {shortened(path)}: the path is not UTF-8 text; give another.")

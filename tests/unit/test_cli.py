@@ -122,8 +122,8 @@ def test_an_output_never_replaces_an_input(speaker, tmp_path, capsys, monkeypatc
 @pytest.mark.parametrize(
     ("arguments", "status", "said"),
     [
-        (["-o", "x" * 248 + ".mp4"], 2, "has 252 bytes; give one of at most 238"),
-        (["-o", "x" * 296 + ".mp4"], 2, "has 300 bytes; give one of at most 238"),
+        (["-o", "x" * 252 + ".mp4"], 2, "has 256 bytes; give one of at most 255"),
+        (["-o", "x" * 296 + ".mp4"], 2, "has 300 bytes; give one of at most 255"),
         (["-o", "y" * 256 + "/x.mp4"], 2, "the name of a folder at most 255"),
         (["-o", "y/" * 2500 + "x.mp4"], 2, "a path has at most 4000 bytes"),
         (["-o", "pipe.mp4"], 2, "is a device or pipe"),

@@ -7,6 +7,7 @@ from typing import NamedTuple
 from visualspeech.animation.background import choose_recordings, write_background
 from visualspeech.animation.bundle import FILES, describe_bundle
 from visualspeech.animation.video import Recording
+from visualspeech.corpora.findings import needed
 from visualspeech.corpora.records import Utterance
 from visualspeech.corpora.table import of_split
 from visualspeech.errors import SettingError
@@ -71,8 +72,8 @@ def bundle_speaker(
         A background recording is not an accepted utterance.
     DataError
         There is no training utterance, none of them shows the face at rest, or the parts do not fit each other.
-    RejectedUtterance
-        A recording cannot be read.
+    CorpusError
+        A recording of the background cannot be read.
     StorageError
         A file is missing, or the folder cannot be written.
     """
@@ -121,5 +122,10 @@ def _clips(utterances: Iterable[Utterance], faces: RecordedFaces) -> Iterator[tu
     """Recordings as :func:`visualspeech.animation.background.write_background` takes them."""
     for one in utterances:
         seen = Recording.read(faces.landmarks, faces.pose, faces.textures, one.id)
-        frames, rate = read_frames(one.media, one.start, one.end), faces.pose.rate(one.id)
-        yield one.id, one.media, frames, seen.landmarks, seen.pose, seen.drift, rate
+        rate = faces.pose.rate(one.id)
+        yield one.id, one.media, _frames(one), seen.landmarks, seen.pose, seen.drift, rate
+
+
+def _frames(utterance: Utterance) -> Iterator:
+    with needed(utterance):
+        yield from read_frames(utterance.media, utterance.start, utterance.end)

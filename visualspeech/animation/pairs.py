@@ -7,6 +7,7 @@ import numpy as np
 
 from visualspeech.animation.video import Recording, Speaker, video_metadata, write_panels
 from visualspeech.animation.video_settings import VideoSettings
+from visualspeech.corpora.findings import needed
 from visualspeech.corpora.records import Utterance
 
 WITHHELD = "withheld for a preference test"
@@ -35,9 +36,10 @@ def write_pair(
     ------
     DataError
         Streams of this utterance do not fit each other.
-    RejectedUtterance
-        The recording cannot be read.
+    CorpusError
+        The recording cannot be read; a study cannot do without the pair.
     """
     metadata = video_metadata(f"Pair {number}", corpus, WITHHELD, consent)
     titled = dict(zip("AB", appearances, strict=True))
-    write_panels(path, utterance, recording, titled, speaker, metadata, settings)
+    with needed(utterance):
+        write_panels(path, utterance, recording, titled, speaker, metadata, settings)

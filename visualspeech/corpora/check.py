@@ -190,7 +190,8 @@ def _check_durations(
         damaged_end = len(scan.damaged) and len(scan.times) and scan.damaged[-1] > scan.times[-1] - 1.5 / info.rate
         if damaged_end and not _reaches_its_end(scan, info):
             raise RejectedUtterance(
-                f"truncated: the file breaks off within a frame, {scan.times[-1]:.2f} s after its beginning",
+                f"truncated, or damaged at its end: the last frame, {scan.damaged[-1]:.2f} s after the first, is "
+                "incomplete",
                 "Copy the recording again from its source.",
             )
         video_end = utterance.start + seconds

@@ -4,7 +4,8 @@
 """
 
 import errno
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import contextmanager
 from dataclasses import asdict, dataclass, fields
 
 from visualspeech.corpora.records import Utterance
@@ -91,6 +92,21 @@ def attempt(utterance: Utterance, stage: str, function: Callable, *args, **kwarg
             "Convert the recording again, or leave the utterance out. The log of this stage holds the details.",
         )
     return Outcome(rejected=rejected, findings=(rejection(utterance.id, stage, utterance.media, rejected),))
+
+
+@contextmanager
+def needed(utterance: Utterance) -> Iterator[None]:
+    """Compute something that cannot do without this utterance.
+
+    Raises
+    ------
+    CorpusError
+        Its recording cannot be used; the message names the file.
+    """
+    try:
+        yield
+    except RejectedUtterance as error:
+        raise CorpusError(f"{utterance.media}: {error.reason}. {error.remedy}") from error
 
 
 def write_findings(path, findings: Iterable[Finding]) -> None:

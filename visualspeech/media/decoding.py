@@ -57,7 +57,7 @@ def open_media(path: str | Path) -> Iterator:
 def _opened(path: str):
     """The container of a local file; see :func:`open_media`."""
     try:
-        return av.open(f"file:{path}", options=LOCAL, metadata_errors="replace")
+        return av.open(f"file:{path}", container_options=LOCAL, metadata_errors="replace")
     except av.error.ArgumentError as error:
         reason = "it is no recording, or a list of other files, which are not opened"
         raise RejectedUtterance(f"unreadable media file ({reason})", UNREADABLE) from error

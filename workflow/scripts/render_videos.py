@@ -4,6 +4,7 @@ from pathlib import Path
 
 from visualspeech.animation.video import Recording, Speaker, write_talking_head
 from visualspeech.animation.video_settings import VideoSettings
+from visualspeech.corpora.findings import attempt
 from visualspeech.corpora.table import of_split, read_utterances
 from visualspeech.jobs import job, log, progress
 from visualspeech.storage.arrays import ArrayCollection, ArrayReader
@@ -28,4 +29,8 @@ with (
         recording, path = Recording.read(landmarks, pose, textures, one.id), Path(folder, f"{one.id}.mp4")
         titled = {"AAM reconstruction": parameters, "prediction": predictions}
         panels = {title: (arrays.array(one.id, "appearance"), arrays.rate(one.id)) for title, arrays in titled.items()}
-        write_talking_head(path, one, recording, panels, speaker, **params.names, settings=settings)
+        made = attempt(
+            one, "videos", write_talking_head, path, one, recording, panels, speaker, **params.names, settings=settings
+        )
+        for finding in made.findings:
+            log.warning("no video of %s (%s): %s. %s", one.id, finding.file, finding.finding, finding.remedy)

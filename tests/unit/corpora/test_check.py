@@ -98,7 +98,7 @@ def test_a_truncated_real_recording(tmp_path):
     path.write_bytes(source.read_bytes())
     assert checked(path).rejected is None
     for share in (0.9, 0.5):
-        assert "breaks off within a frame" in rejected(synthetic.truncated(path, share))
+        assert "truncated, or damaged at its end" in rejected(synthetic.truncated(path, share))
 
 
 def test_no_video_and_no_audio(tmp_path):

@@ -7,6 +7,7 @@ from visualspeech.corpora.findings import (
     attempt,
     check_share,
     check_splits,
+    needed,
     read_findings,
     rejected_ids,
     rejection,
@@ -84,6 +85,13 @@ def test_what_fails_for_one_utterance_leaves_the_others(tmp_path, capsys, error,
 def test_what_fails_for_the_run_ends_it(error):
     with pytest.raises(type(error)):
         attempt(UTTERANCES[1], "textures", fails_for_b, UTTERANCES[1], error)
+
+
+def test_what_cannot_do_without_an_utterance_names_its_file():
+    with pytest.raises(CorpusError, match=r"^b.mp4: no face. Turn.$"), needed(UTTERANCES[1]):
+        raise RejectedUtterance("no face", "Turn.")
+    with pytest.raises(StorageError, match="^x$"), needed(UTTERANCES[1]):
+        raise StorageError("x")
 
 
 def test_a_split_that_was_rejected_as_a_whole_is_refused():
