@@ -18,7 +18,7 @@ from visualspeech.fields import MAX_SEED, shortened
 from visualspeech.interruption import stoppable
 from visualspeech.jobs import log
 
-#: Bytes of the name and path of a video; a temporary name that holds it whole still fits in a file system.
+#: Bytes of a name and of a path.
 MAX_NAME, MAX_PATH = 255, 4000
 
 # torch, dlib and the media libraries are imported only when a command runs, so that help and errors appear at once.
