@@ -6,7 +6,7 @@ from pathlib import Path
 
 from visualspeech.errors import SettingError
 from visualspeech.evaluation.published_results import published_names
-from visualspeech.features.blocks.base import block_class, block_kinds
+from visualspeech.features.blocks.base import block_class, block_kinds, needs_of
 from visualspeech.fields import section_schema, with_defaults
 from visualspeech.models.registry import expand, model_mistakes
 from visualspeech.models.rows import ModelRow
@@ -223,7 +223,7 @@ def complete_system(system: Mapping, seed: int) -> dict:
     blocks = {name: _block(block, f"{where}.blocks.{name}") for name, block in system["blocks"].items() if block}
     seeds = system["seeds"] or [seed]
     rows = expand(system["models"], blocks, system["training"], seeds, f"{where}.models")
-    found = _naming_mistakes(system, rows, where)
+    found = _naming_mistakes(system, rows, where) + _need_mistakes(system, blocks, rows, where)
     if found:
         raise SettingError("\n".join(found))
     models = [row for row in rows if row.role == "model"]
@@ -235,6 +235,7 @@ def complete_system(system: Mapping, seed: int) -> dict:
         "blocks": blocks,
         "rows": [row.plain() for row in rows],
         "videos": {**system["videos"], "model": shown},
+        "sound_model": next(iter(_of_groups(filter(None, [system["sound_model"]]), rows)), ""),
         "tables": {
             **system["tables"],
             "topologies": _of_groups(system["tables"]["topologies"], rows),
@@ -249,6 +250,27 @@ def _block(block: Mapping, where: str) -> dict:
     given = {name: value for name, value in block.items() if name != "kind"}
     cls = block_class(block["kind"]).settings
     return {"kind": block["kind"], "settings": with_defaults(cls, given, where=where) if cls else {}}
+
+
+def _need_mistakes(system: Mapping, blocks: Mapping, rows: Sequence[ModelRow], where: str) -> list[str]:
+    """Input blocks that rows read and that are computed from what the system does not need of a corpus."""
+    found = []
+    for name in dict.fromkeys(name for row in rows for name in row.reads):
+        kind = blocks[name]["kind"]
+        found += [
+            f"`{where}.needs` lacks `{need}`, which the input block `{name}` of kind {kind} is computed from. Add it."
+            for need in needs_of(block_class(kind))
+            if need not in system["needs"]
+        ]
+    spoken = system["sound_model"]
+    for row in rows:
+        kinds = [needs_of(block_class(blocks[name]["kind"])) for name in row.reads]
+        if spoken and spoken in (row.group, row.name) and set(kinds) != {("audio",)}:
+            found.append(
+                f"`{where}.sound_model: {spoken}` must read input blocks of sound alone; {row.name} reads "
+                f"{', '.join(row.reads) or 'none'}."
+            )
+    return found
 
 
 def _naming_mistakes(system: Mapping, rows: Sequence[ModelRow], where: str) -> list[str]:
@@ -268,6 +290,8 @@ def _naming_mistakes(system: Mapping, rows: Sequence[ModelRow], where: str) -> l
             for number, name in enumerate(names)
             if name not in known
         ]
+    if system["sound_model"] and system["sound_model"] not in known:
+        found.append(unknown(f"{where}.sound_model", system["sound_model"], known, "entry of `models` and no row"))
     shown = system["videos"]["model"]
     if shown and shown not in trained:
         found.append(unknown(f"{where}.videos.model", shown, trained, "model of the system"))

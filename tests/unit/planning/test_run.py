@@ -80,7 +80,7 @@ def test_rows_of_the_default_run():
     settings = resolved()
     assert rows(settings) == [
         *(f"{letters}-{nodes}" for letters in ("FFF", "BFF", "BBB", "FBB") for nodes in (64, 128)),
-        "hmm_monophone", "hmm_tied", "hmm_mge",
+        "FBB-128-mel", "FBB-128-tri-mel", "hmm_monophone", "hmm_tied", "hmm_mge",
     ]  # fmt: skip
     assert rows(settings, role="baseline") == ["phone_state_mean", "triphone_state_mean", "training_mean"]
     assert len(rows(resolved(CONFIG / "paper.yaml"))) == 42 + 3
