@@ -160,10 +160,10 @@ def pause_weights(alignment: Alignment, frames: int, rate: float, ramp: float) -
     """
     times = frame_times(frames, rate)
     depth = np.zeros(frames)
-    last = alignment.phones[-1].end
+    first, last = min(0.0, alignment.phones[0].start), alignment.phones[-1].end
     for one in alignment.phones:
         if one.label == SILENCE:
-            since = np.inf if one.start <= 0 else times - one.start
+            since = np.inf if one.start <= first else times - one.start
             until = np.inf if one.end >= last else one.end - times
             inside = (times >= one.start) & ((times < one.end) | (one.end >= last))
             depth = np.where(inside, np.minimum(since, until) * np.ones(frames), depth)

@@ -223,7 +223,7 @@ def complete_system(system: Mapping, seed: int) -> dict:
     blocks = {name: _block(block, f"{where}.blocks.{name}") for name, block in system["blocks"].items() if block}
     seeds = system["seeds"] or [seed]
     rows = expand(system["models"], blocks, system["training"], seeds, f"{where}.models")
-    found = _naming_mistakes(system, rows, where) + _need_mistakes(system, blocks, rows, where)
+    found = _naming_mistakes(system, rows, where) + _sound_mistakes(system, blocks, rows, where)
     if found:
         raise SettingError("\n".join(found))
     models = [row for row in rows if row.role == "model"]
@@ -232,6 +232,10 @@ def complete_system(system: Mapping, seed: int) -> dict:
     return {
         **{key: value for key, value in system.items() if key not in ("models", "training", "seeds")},
         "seeds": seeds,
+        # What its models read counts among its needs, whether or not its file says so.
+        "needs": list(
+            dict.fromkeys([*system["needs"], *sorted(set().union(*(_needs_of_row(row, blocks) for row in rows)))])
+        ),
         "blocks": blocks,
         "rows": [row.plain() for row in rows],
         "videos": {**system["videos"], "model": shown},
@@ -252,25 +256,20 @@ def _block(block: Mapping, where: str) -> dict:
     return {"kind": block["kind"], "settings": with_defaults(cls, given, where=where) if cls else {}}
 
 
-def _need_mistakes(system: Mapping, blocks: Mapping, rows: Sequence[ModelRow], where: str) -> list[str]:
-    """Input blocks that rows read and that are computed from what the system does not need of a corpus."""
-    found = []
-    for name in dict.fromkeys(name for row in rows for name in row.reads):
-        kind = blocks[name]["kind"]
-        found += [
-            f"`{where}.needs` lacks `{need}`, which the input block `{name}` of kind {kind} is computed from. Add it."
-            for need in needs_of(block_class(kind))
-            if need not in system["needs"]
-        ]
-    spoken = system["sound_model"]
-    for row in rows:
-        kinds = [needs_of(block_class(blocks[name]["kind"])) for name in row.reads]
-        if spoken and spoken in (row.group, row.name) and set(kinds) != {("audio",)}:
-            found.append(
-                f"`{where}.sound_model: {spoken}` must read input blocks of sound alone; {row.name} reads "
-                f"{', '.join(row.reads) or 'none'}."
-            )
-    return found
+def _sound_mistakes(system: Mapping, blocks: Mapping, rows: Sequence[ModelRow], where: str) -> list[str]:
+    """Rows that are to speak for recordings and do not read sound alone."""
+    wanted = system["sound_model"]
+    return [
+        f"`{where}.sound_model: {wanted}` must read input blocks of sound alone; {row.name} reads "
+        f"{', '.join(row.reads) or 'none'}."
+        for row in rows
+        if wanted and wanted in (row.group, row.name) and _needs_of_row(row, blocks) != {"audio"}
+    ]
+
+
+def _needs_of_row(row: ModelRow, blocks: Mapping) -> set[str]:
+    """What the input blocks of a row are computed from."""
+    return {need for name in row.reads for need in needs_of(block_class(blocks[name]["kind"]))}
 
 
 def _naming_mistakes(system: Mapping, rows: Sequence[ModelRow], where: str) -> list[str]:

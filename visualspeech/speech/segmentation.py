@@ -71,20 +71,24 @@ def pauses(sound: Sound) -> list[tuple[float, float]]:
     ]  # fmt: skip
 
 
-def alignment_of(found: Iterable[tuple[float, float]], begin: float, end: float) -> Alignment:
-    """Speech and pauses from ``begin`` to ``end`` as an alignment, with times from ``begin``; it covers all of it.
+def alignment_of(
+    found: Iterable[tuple[float, float]], begin: float, end: float, origin: float | None = None
+) -> Alignment:
+    """Speech and pauses from ``begin`` to ``end`` as an alignment, which covers all of it.
 
     Parameters
     ----------
     found : start and end in seconds of each pause
+    origin : second that is 0 in the alignment; None: ``begin``
     """
-    inside = [(max(a, begin) - begin, min(b, end) - begin) for a, b in found if b > begin and a < end]
-    borders = [0.0, *(time for span in inside for time in span), end - begin]
+    zero = begin if origin is None else origin
+    inside = [(max(a, begin) - zero, min(b, end) - zero) for a, b in found if b > begin and a < end]
+    borders = [begin - zero, *(time for span in inside for time in span), end - zero]
     parts = [
         (SILENCE if number % 2 else SPEECH, start, stop)
         for number, (start, stop) in enumerate(pairwise(borders))
         if stop > start
-    ] or [(SPEECH, 0.0, end - begin)]
+    ] or [(SPEECH, begin - zero, end - zero)]
     tiers: tuple[list[Segment], ...] = ([], [], [])
     for label, start, stop in parts:
         tiers[0].append(Segment(label, start, stop))

@@ -30,7 +30,8 @@ from visualspeech.speech.spoken_settings import VoiceSettings
 
 THIRDS = (1 / STATES,) * STATES
 SOUND_RATE = 48000  # Hz, of the sound of a recording in a video
-PIECE = 20.0  # seconds of a recording that are handed on at a time where nothing is aligned
+PIECE = 20.0  # seconds of a recording that are handed on at a time where nothing is aligned ...
+BESIDE = 1.0  # ... and seconds beside them whose pauses are told, too
 
 
 @dataclass(frozen=True)
@@ -127,8 +128,8 @@ def speak_recording(
 def speak_sound(path: str | Path, rate: float, text: str = "") -> Iterator[Spoken]:
     """Recorded speech for a model that reads sound alone, piece by piece: nothing is recognised or aligned.
 
-    The alignment of a piece tells speech from pauses (:mod:`visualspeech.speech.segmentation`). Memory does not grow
-    with the duration.
+    The alignment of a piece tells speech from pauses (:mod:`visualspeech.speech.segmentation`), some of them before and
+    after the piece: a piece may begin and end anywhere. Memory does not grow with the duration.
 
     Parameters
     ----------
@@ -144,7 +145,11 @@ def speak_sound(path: str | Path, rate: float, text: str = "") -> Iterator[Spoke
     quiet, step = pauses(sound), max(1, round(PIECE * rate)) / rate
     ends = [*np.arange(step, sound.seconds - 0.5 / rate, step).tolist(), sound.seconds]
     found = (
-        (round(end * RATE), alignment_of(quiet, begin, end)) for begin, end in zip([0.0, *ends], ends, strict=False)
+        (
+            round(end * RATE),
+            alignment_of(quiet, max(0.0, begin - BESIDE), min(end + BESIDE, sound.seconds), begin),
+        )
+        for begin, end in zip([0.0, *ends], ends, strict=False)
     )
     yield from _played(path, found, rate, text, sound)
 
