@@ -28,6 +28,7 @@ from visualspeech.face.screening import ScreeningSettings
 from visualspeech.face.tracker import LandmarkSettings
 from visualspeech.features.blocks.base import block_class, block_kinds
 from visualspeech.features.blocks.label_parts import LabelPartsSettings
+from visualspeech.features.blocks.log_mel import LogMelSettings
 from visualspeech.fields import (
     MAX_SEED,
     FieldError,
@@ -50,7 +51,7 @@ from visualspeech.speech.spoken_settings import VoiceSettings
 
 CLASSES = [
     AamSettings, AlignmentSettings, BootstrapSettings, CheckSettings, ComparisonSettings, DemoSettings, DriftSettings,
-    FittingSettings, HmmSettings, LabelPartsSettings, LandmarkSettings, LookupSettings, PoseSettings, ReferenceSettings,
+    FittingSettings, HmmSettings, LabelPartsSettings, LandmarkSettings, LogMelSettings, LookupSettings, PoseSettings, ReferenceSettings,
     RenderSettings, ScreeningSettings, SpeakSettings, StackSettings, TableSettings, TrainingSettings, VideoSettings,
     VoiceSettings, WalkSettings,
 ]  # fmt: skip
