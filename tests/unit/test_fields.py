@@ -51,8 +51,8 @@ from visualspeech.speech.spoken_settings import VoiceSettings
 
 CLASSES = [
     AamSettings, AlignmentSettings, BootstrapSettings, CheckSettings, ComparisonSettings, DemoSettings, DriftSettings,
-    FittingSettings, HmmSettings, LabelPartsSettings, LandmarkSettings, LogMelSettings, LookupSettings, PoseSettings, ReferenceSettings,
-    RenderSettings, ScreeningSettings, SpeakSettings, StackSettings, TableSettings, TrainingSettings, VideoSettings,
+    FittingSettings, HmmSettings, LabelPartsSettings, LandmarkSettings, LogMelSettings, LookupSettings, PoseSettings,
+    ReferenceSettings, RenderSettings, ScreeningSettings, SpeakSettings, StackSettings, TableSettings, TrainingSettings, VideoSettings,
     VoiceSettings, WalkSettings,
 ]  # fmt: skip
 HEAVY = {"av", "torch", "cv2", "dlib", "pandas", "scipy", "matplotlib", "h5py", "pocketsphinx", "jsonschema"}
