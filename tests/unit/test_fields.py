@@ -52,8 +52,8 @@ from visualspeech.speech.spoken_settings import VoiceSettings
 CLASSES = [
     AamSettings, AlignmentSettings, BootstrapSettings, CheckSettings, ComparisonSettings, DemoSettings, DriftSettings,
     FittingSettings, HmmSettings, LabelPartsSettings, LandmarkSettings, LogMelSettings, LookupSettings, PoseSettings,
-    ReferenceSettings, RenderSettings, ScreeningSettings, SpeakSettings, StackSettings, TableSettings, TrainingSettings, VideoSettings,
-    VoiceSettings, WalkSettings,
+    ReferenceSettings, RenderSettings, ScreeningSettings, SpeakSettings, StackSettings, TableSettings, TrainingSettings,
+    VideoSettings, VoiceSettings, WalkSettings,
 ]  # fmt: skip
 HEAVY = {"av", "torch", "cv2", "dlib", "pandas", "scipy", "matplotlib", "h5py", "pocketsphinx", "jsonschema"}
 BESIDE = {"minimum": -1, "above": 0, "maximum": 1, "below": 0}  # how far outside a bound a value is

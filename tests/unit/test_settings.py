@@ -287,10 +287,12 @@ def test_further_seeds_and_other_inputs_have_names_of_their_own():
     names = [row["name"] for row in rows(models={**QUIET, "nets": nets}, seeds=[1, 5]) if row["family"] == "stack"]
     assert names == ["FBB-128", "F-128", "FBB-128-s5", "F-128-s5"]
     richer = {"like": "nets", "letters": ["FBB"], "reads": ["tri", "parts"], "suffix": "rich"}
-    found = [row for row in rows(models={**QUIET, "nets": nets, "richer": richer}, seeds=[3]) if row["family"] == "stack"]
+    found = [
+        row for row in rows(models={**QUIET, "nets": nets, "richer": richer}, seeds=[3]) if row["family"] == "stack"
+    ]
     assert [row["name"] for row in found] == ["FBB-128", "F-128", "FBB-128-rich"]
     assert found[2]["reads"] == ["tri", "parts"] and {row["seed"] for row in found} == {3}
-    own = [row["name"] for row in rows(models={"nets": {**nets, "seeds": [7, 8]}}) if row["family"] == "stack"]
+    own = [row["name"] for row in rows(models={**QUIET, "nets": {**nets, "seeds": [7, 8]}}) if row["family"] == "stack"]
     assert own == ["FBB-128", "F-128", "FBB-128-s8", "F-128-s8"]
 
 
