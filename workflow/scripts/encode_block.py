@@ -1,6 +1,6 @@
 """The streams of one input block for one shard."""
 
-from visualspeech.features.blocks.base import load_block, read_sources
+from visualspeech.features.blocks.base import load_block, phones_of, read_sources
 from visualspeech.jobs import job
 from visualspeech.storage.arrays import ArrayReader, ArrayWriter
 
@@ -11,6 +11,6 @@ with (
     ArrayWriter(snakemake.output[0]) as out,
 ):
     block = load_block(source.block)
-    sources = read_sources(source.alignment, targets, targets.ids, complete=True)
+    sources = read_sources(source.alignment, targets, targets.ids, phones_of(block), complete=True)
     for name, stream in zip(sources, block.encode(list(sources.values())), strict=True):
         out.add(name, stream.arrays(), targets.rate(name))

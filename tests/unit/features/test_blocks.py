@@ -124,6 +124,9 @@ def test_what_blocks_are_computed_from(tmp_path):
     with ArrayReader(tmp_path / "targets.h5") as targets:
         # Utterance b is accepted but has no targets; c has some and is not accepted.
         assert base.read_sources(tmp_path / "alignment.tsv", targets, ["a", "b"]) == {"a": SOURCES[0]}
+        known = [phone for phone in PHONES if phone != "ah"]
+        (other,) = base.read_sources(tmp_path / "alignment.tsv", targets, ["a"], known).values()
+        assert {one.label for one in other.alignment.phones} <= set(known)
         found = base.read_sources(tmp_path / "alignment.tsv", targets, ["c"])["c"]
     assert (found.frames, found.rate) == (56, 50.0)
 

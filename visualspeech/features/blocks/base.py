@@ -17,6 +17,7 @@ import numpy as np
 from visualspeech.errors import DamagedFile, StorageError
 from visualspeech.features.streams import Layout, Stream
 from visualspeech.speech.alignment import Alignment, read_alignments
+from visualspeech.speech.substitutes import in_phones
 from visualspeech.storage.layouts import TEXT, FileLayout, check_plain
 from visualspeech.storage.models import read_model_of, write_model
 
@@ -131,7 +132,14 @@ _BLOCK = {
 }
 
 
-def read_sources(alignment: str | Path, targets, ids: Collection[str], complete: bool = False) -> dict[str, Source]:
+def phones_of(block: Block) -> tuple[str, ...]:
+    """The inventory of a fitted block; empty where it reads no phones."""
+    return tuple(getattr(block, "phones", ()))
+
+
+def read_sources(
+    alignment: str | Path, targets, ids: Collection[str], phones: Sequence[str] = (), complete: bool = False
+) -> dict[str, Source]:
     """What blocks are computed from, of the utterances of one shard, by id.
 
     Parameters
@@ -139,13 +147,15 @@ def read_sources(alignment: str | Path, targets, ids: Collection[str], complete:
     alignment : table of the shard
     targets : open reader or collection, which gives length and rate of each utterance
     ids : the utterances that are wanted; those without an alignment or targets are left out
+    phones : inventory; a phone that it lacks, because no training utterance has it, is replaced by the most similar one
+        (:mod:`visualspeech.speech.substitutes`); empty: none is replaced
     complete : whether the table must hold all of them; raises :class:`StorageError` where one is missing
     """
     alignments = read_alignments(alignment)
     for name in ids if complete else ():
         alignments[name]
     return {
-        name: Source(targets.length(name, "appearance"), targets.rate(name), found)
+        name: Source(targets.length(name, "appearance"), targets.rate(name), in_phones(found, phones)[0])
         for name, found in alignments.items()
         if name in ids and name in targets
     }
