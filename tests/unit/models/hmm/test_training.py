@@ -37,11 +37,15 @@ def likelihoods(hmm, stage):
     return [value for name, _, figure, value in hmm.about["history"] if (name, figure) == (stage, "log_likelihood")]
 
 
-def test_baum_welch_never_lowers_the_likelihood(monophone, tied):
-    for hmm, stage in ((monophone, "monophone"), (tied, "tied")):
+def test_baum_welch_raises_the_likelihood_until_it_stays():
+    many = replace(SMALL, monophone_iterations=12, tied_iterations=12)
+    monophone = fit_monophones(TRAINING, PHONES, many)
+    for hmm, stage in ((monophone, "monophone"), (fit_tied(monophone, TRAINING), "tied")):
         found = likelihoods(hmm, stage)
-        assert len(found) == getattr(SMALL, f"{stage}_iterations")
-        assert np.all(np.diff(found) > -1e-6 * np.abs(found[1:]))
+        assert len(found) == 12
+        rises = np.diff(found)
+        assert np.all(rises > -1e-6 * np.abs(found[1:]))
+        assert rises[0] > 10 * max(rises[-1], 0) and found[-1] > found[0]
 
 
 def test_even_start_against_means_frame_by_frame():
@@ -110,9 +114,10 @@ def test_prediction_at_any_rate_and_length(tied):
     assert tied.predict(track, 1, rate).shape == (1, 2)
 
 
-def test_a_stream_at_the_rate_of_the_hmms():
-    hmm = fit_monophones(TRAINING[:5], PHONES, replace(SMALL, rate=25.0))
-    assert np.isfinite(error(hmm))
+def test_a_stream_at_the_rate_of_the_hmms(monophone):
+    """At the rate of the video nothing is resampled; the phones, long here, are learned as well as at twice the rate."""
+    hmm = fit_monophones(TRAINING, PHONES, replace(SMALL, rate=25.0, delta_step=0.04))
+    assert 0.7 * error(monophone) < error(hmm) < 1.3 * error(monophone)
 
 
 def test_data_that_does_not_fit(tied):
@@ -170,15 +175,16 @@ def test_quinphones_train_tie_and_predict(tmp_path):
     again = kept(hmm, tmp_path / "hmm.safetensors")
     assert np.array_equal(again.predict(track, len(values), rate), hmm.predict(track, len(values), rate))
     refined = refine(replace(hmm, settings=replace(SMALL, mge_epochs=1)), wide[:8], beyond)
-    assert refined.tying.layout == (5, 2) and np.isfinite(error(refined, beyond))
+    assert refined.tying.layout == (5, 2) and error(refined, beyond) <= error(hmm, beyond)
 
 
 def test_contexts_too_wide_to_number_as_digits():
     """40 phones in 13 columns are more than 64 bits hold."""
     generator = np.random.default_rng(0)
-    examples = [
-        (PhoneTrack(generator.integers(0, 40, (6, 13)).astype(np.int16), np.arange(6) * 0.2, 6), values, 25.0)
-        for values in generator.normal(size=(12, 30, 2))
-    ]
+    of_phone, examples = generator.normal(size=(40, 2)), []
+    for _ in range(60):
+        contexts = generator.integers(0, 40, (6, 13)).astype(np.int16)
+        values = np.repeat(of_phone[contexts[:, 6]], 5, axis=0)
+        examples.append((PhoneTrack(contexts, np.arange(6) * 0.2, 6), values, 25.0))
     hmm = fit_tied(fit_monophones(examples, tuple(PHONE_SET), SMALL), examples)
-    assert np.isfinite(error(hmm, examples))
+    assert error(hmm, examples) < 0.35 * np.var(np.concatenate([values for _, values, _ in examples]), axis=0).mean()
