@@ -115,7 +115,7 @@ def test_prediction_at_any_rate_and_length(tied):
 
 
 def test_a_stream_at_the_rate_of_the_hmms(monophone):
-    """At the rate of the video nothing is resampled; the phones, long here, are learned as well as at twice the rate."""
+    """At the rate of the video nothing is resampled; phones as long as here are learned as well."""
     hmm = fit_monophones(TRAINING, PHONES, replace(SMALL, rate=25.0, delta_step=0.04))
     assert 0.7 * error(monophone) < error(hmm) < 1.3 * error(monophone)
 
