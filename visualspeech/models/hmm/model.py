@@ -10,7 +10,7 @@ from visualspeech.errors import DamagedFile, DataError
 from visualspeech.features.resampling import resample
 from visualspeech.fields import MAX_SEED, Settings, restored, setting
 from visualspeech.models.hmm.chains import timed_states
-from visualspeech.models.hmm.generation import Trajectory, generate
+from visualspeech.models.trajectory.generation import Trajectory, generate
 from visualspeech.models.hmm.segments import PhoneTrack
 from visualspeech.models.hmm.statistics import Gaussians
 from visualspeech.models.hmm.tying import Tying

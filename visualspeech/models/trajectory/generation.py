@@ -14,7 +14,7 @@ from itertools import product
 
 import numpy as np
 
-from visualspeech.models.hmm.windows import WINDOWS, neighbours, observations, stacked, unstacked, window_matrix
+from visualspeech.models.trajectory.windows import WINDOWS, neighbours, observations, stacked, unstacked, window_matrix
 
 
 @dataclass(frozen=True)
