@@ -10,10 +10,10 @@ from visualspeech.errors import DamagedFile, DataError
 from visualspeech.features.resampling import resample
 from visualspeech.fields import MAX_SEED, Settings, restored, setting
 from visualspeech.models.hmm.chains import timed_states
-from visualspeech.models.trajectory.generation import Trajectory, generate
 from visualspeech.models.hmm.segments import PhoneTrack
 from visualspeech.models.hmm.statistics import Gaussians
 from visualspeech.models.hmm.tying import Tying
+from visualspeech.models.trajectory.generation import Trajectory, generate
 from visualspeech.storage.layouts import PHONES, Array
 from visualspeech.storage.models import part_of
 from visualspeech.timing import frames_in
