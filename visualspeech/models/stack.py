@@ -1,4 +1,7 @@
-"""Stacks of feed-forward (F) and bidirectional LSTM (B) layers, named by their letters: FBB, BFF, ... (Fan 2015, 4)."""
+"""Stacks of feed-forward (F), bidirectional LSTM (B) and gated convolutional (C) layers, named by their letters.
+
+FBB, BFF, ... are those of Fan 2015, section 4; C is a layer of WaveNet (van den Oord et al. 2016).
+"""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict
@@ -11,6 +14,7 @@ from torch.nn.utils.rnn import PackedSequence, pack_padded_sequence, pad_packed_
 
 from visualspeech.features.streams import Layout
 from visualspeech.models.batches import Batch
+from visualspeech.models.layers import GatedConvolution, dilations, dropped
 from visualspeech.models.network import Network, load_network
 from visualspeech.models.stack_settings import StackSettings
 from visualspeech.models.task import Fitted, Task
@@ -24,8 +28,8 @@ FAMILY = "stack"
 class Stack(nn.Module):
     """A stack over one-hot and real-valued inputs, with a linear output layer (Fan 2015, Fig. 3 and Eq. 12).
 
-    Utterances of one batch (B of them, T = the longest) may have different lengths: padded frames reach neither
-    direction of a BLSTM layer, and the output there is zero.
+    Utterances of one batch (B of them, T = the longest) may have different lengths: padded frames reach no layer, and
+    the output there is zero.
 
     Parameters
     ----------
@@ -44,9 +48,12 @@ class Stack(nn.Module):
         self.dropout = dropout
         self.layers = nn.ModuleList()
         width = sum(layout.width for layout in layouts)
-        for letter in settings.letters:
+        for letter, dilation in zip(settings.letters, dilations(settings.letters), strict=True):
             if letter == "F":
                 self.layers.append(nn.Linear(width, settings.nodes))
+                width = settings.nodes
+            elif letter == "C":
+                self.layers.append(GatedConvolution(width, settings.nodes, dilation, dropout))
                 width = settings.nodes
             else:
                 self.layers.append(nn.LSTM(width, settings.direction_nodes, batch_first=True, bidirectional=True))
@@ -65,11 +72,14 @@ class Stack(nn.Module):
             inputs.append(packed.data)
         frames = torch.cat(inputs, dim=1) if len(inputs) > 1 else inputs[0]
         for letter, layer in zip(self.letters, self.layers, strict=True):
+            if letter == "C":
+                frames = layer(frames, packed.batch_sizes)
+                continue
             if letter == "F":
                 frames = torch.tanh(layer(frames))
             else:
                 frames = layer(PackedSequence(frames, packed.batch_sizes))[0].data
-            if self.training and self.dropout:
+            if self.training:
                 frames = dropped(frames, self.dropout)
         values = PackedSequence(self.output(frames), packed.batch_sizes)
         return pad_packed_sequence(values, batch_first=True, total_length=batch.index.shape[1])[0]
@@ -78,15 +88,6 @@ class Stack(nn.Module):
         """One-hot vectors of class indices side by side: (frames, C) to (frames, classes); 3K + 3 in Fan 2015, 3.1."""
         ones = torch.zeros(len(index), self.classes, dtype=self.output.weight.dtype)
         return ones.scatter_(1, index + self.offsets, 1.0)
-
-
-def dropped(values: torch.Tensor, share: float) -> torch.Tensor:
-    """Values with a random share of them zero and the others larger by 1 / (1 - share), as in training with dropout.
-
-    The same as :func:`torch.nn.functional.dropout` with other random numbers: uniform ones, which a processor draws
-    three times as fast as torch's Bernoulli ones; those were a tenth of an update.
-    """
-    return values * torch.rand_like(values).ge_(share).mul_(1 / (1 - share))
 
 
 def fit(task: Task) -> Fitted:
@@ -137,6 +138,11 @@ def weight_shapes(settings: Mapping, layouts: Sequence[Layout], outputs: int) ->
     for number, letter in enumerate(made.letters):
         if letter == "F":
             shapes |= {f"layers.{number}.weight": (made.nodes, width), f"layers.{number}.bias": (made.nodes,)}
+            width = made.nodes
+            continue
+        if letter == "C":
+            own = GatedConvolution.shapes(width, made.nodes)
+            shapes |= {f"layers.{number}.{name}": shape for name, shape in own.items()}
             width = made.nodes
             continue
         gates = 4 * made.direction_nodes

@@ -1,4 +1,4 @@
-"""Settings of stacks of feed-forward and BLSTM layers; without torch, for planning."""
+"""Settings of stacks of feed-forward, BLSTM and convolutional layers; without torch, for planning."""
 
 from dataclasses import dataclass
 from typing import ClassVar
@@ -21,8 +21,8 @@ class StackSettings(Settings):
     letters: str = setting(
         "FBB",
         f"Hidden layers from the input up, one capital letter each, at most {MAX_LAYERS}: F feed-forward, B "
-        "bidirectional LSTM; for example FBB.",
-        pattern=f"[FB]{{1,{MAX_LAYERS}}}",
+        "bidirectional LSTM, C gated dilated convolution; for example FBB.",
+        pattern=f"[FBC]{{1,{MAX_LAYERS}}}",
     )
     nodes: int = setting(128, "Width of a hidden layer, for example 128.", minimum=1, maximum=4096)
     b_nodes: str = setting(
