@@ -17,9 +17,10 @@ from visualspeech.evaluation.metrics import frame_correlation, frame_rmse
 from visualspeech.face.head import HeadModel
 from visualspeech.features.blocks.base import Block
 from visualspeech.features.examples import Example, Examples, opened_blocks
+from visualspeech.models.families import FAMILIES
 from visualspeech.models.hmm.family import HmmModel
 from visualspeech.models.hmm.model import HmmSettings
-from visualspeech.models.registry import FAMILIES, load_model
+from visualspeech.models.registry import load_model
 from visualspeech.models.rows import ModelRow
 from visualspeech.models.task import Model, Task
 from visualspeech.speech.alignment import Alignment, read_alignments

@@ -39,9 +39,9 @@ from visualspeech.fields import (
     setting,
     with_defaults,
 )
+from visualspeech.models.families import FAMILIES
 from visualspeech.models.hmm.model import HmmSettings
 from visualspeech.models.lookup_settings import LookupSettings
-from visualspeech.models.registry import FAMILIES
 from visualspeech.models.stack_settings import MAX_LAYERS, StackSettings
 from visualspeech.models.training_settings import TrainingSettings
 from visualspeech.schema import check, settings_class

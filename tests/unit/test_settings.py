@@ -20,7 +20,8 @@ from visualspeech.evaluation.tables import TableSettings
 from visualspeech.face.aam.model import AamSettings
 from visualspeech.features.blocks.base import block_class, block_kinds
 from visualspeech.fields import MAX_SEED, described_fields, section_schema
-from visualspeech.models.registry import ENTRY, ENTRY_KEYS, FAMILIES, TRAINED_KEYS, entry_schema
+from visualspeech.models.entries import ENTRY, ENTRY_KEYS, TRAINED_KEYS, entry_schema
+from visualspeech.models.families import FAMILIES
 from visualspeech.models.training_settings import TrainingSettings
 from visualspeech.planning.run import KINDS, RESERVED, plan_run, resolve
 from visualspeech.planning.systems import NAME, NEEDS, block_schema

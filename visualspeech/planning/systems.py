@@ -8,7 +8,8 @@ from visualspeech.errors import SettingError
 from visualspeech.evaluation.published_results import published_names
 from visualspeech.features.blocks.base import block_class, block_kinds
 from visualspeech.fields import section_schema, with_defaults
-from visualspeech.models.registry import expand, model_mistakes
+from visualspeech.models.entries import model_mistakes
+from visualspeech.models.registry import expand
 from visualspeech.models.rows import ModelRow
 from visualspeech.schema import check, mistakes, unknown
 from visualspeech.settings import merged, read_yaml

@@ -1,7 +1,7 @@
 # The system, visual coding and row that a job belongs to.
 from visualspeech.face.point_sets import point_set_path
 from visualspeech.features.blocks.base import block_module
-from visualspeech.models.registry import FAMILIES
+from visualspeech.models.families import FAMILIES
 from visualspeech.models.rows import ModelRow
 
 

@@ -12,9 +12,10 @@ from visualspeech.features.blocks.phone_track import PhoneTrack
 from visualspeech.features.blocks.triphone_state import TriphoneState
 from visualspeech.features.examples import Example
 from visualspeech.models import lookup, mean, stack
+from visualspeech.models.families import FAMILIES
 from visualspeech.models.hmm import family as hmm
 from visualspeech.models.inventory import phones_of, predict_alignment
-from visualspeech.models.registry import FAMILIES, load_model
+from visualspeech.models.registry import load_model
 
 PHONES = ("sil", "ae", "m", "p")
 ALIGNMENT = even_alignment([("sil", ["sil"]), ("map", ["m", "ae", "p"]), ("sil", ["sil"])], 0.2)

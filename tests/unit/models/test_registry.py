@@ -10,8 +10,10 @@ import pytest
 from tests.unit.models.examples import BLOCKS, Values, task, utterances
 from visualspeech.errors import SettingError, StorageError
 from visualspeech.fields import Settings
-from visualspeech.models import mean, registry
-from visualspeech.models.registry import ALWAYS, ENTRY_KEYS, FAMILIES, Family, expand, load_model
+from visualspeech.models import families, mean
+from visualspeech.models.entries import ENTRY_KEYS
+from visualspeech.models.families import FAMILIES, Family
+from visualspeech.models.registry import ALWAYS, expand, load_model
 from visualspeech.models.rows import ROLES, ModelRow
 from visualspeech.models.training_settings import training_settings
 from visualspeech.schema import settings_class
@@ -242,7 +244,7 @@ def last(tmp_path, monkeypatch):
     package = sys.modules["visualspeech.models"]
     monkeypatch.setattr(package, "__path__", [*package.__path__, str(tmp_path)])
     settings = "visualspeech.models.last_settings:LastSettings"
-    monkeypatch.setitem(registry.FAMILIES, "last", Family("visualspeech.models.last", settings, grid=("factor",),
+    monkeypatch.setitem(families.FAMILIES, "last", Family("visualspeech.models.last", settings, grid=("factor",),
                                                           cell=lambda given: f"last-{given['factor']:g}"))  # fmt: skip
     yield
     for name in ("visualspeech.models.last", "visualspeech.models.last_settings"):
