@@ -4,7 +4,6 @@ FBB, BFF, ... are those of Fan 2015, section 4; C is a layer of WaveNet (van den
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict
 from itertools import accumulate
 from pathlib import Path
 
@@ -14,11 +13,11 @@ from torch.nn.utils.rnn import PackedSequence, pack_padded_sequence, pad_packed_
 
 from visualspeech.features.streams import Layout
 from visualspeech.models.batches import Batch
+from visualspeech.models.fitting import fit_network
 from visualspeech.models.layers import GatedConvolution, dilations, dropped
 from visualspeech.models.network import Network, load_network
 from visualspeech.models.stack_settings import StackSettings
 from visualspeech.models.task import Fitted, Task
-from visualspeech.models.training import train
 from visualspeech.models.training_settings import training_settings
 from visualspeech.provenance import code_digest
 
@@ -96,28 +95,16 @@ def fit(task: Task) -> Fitted:
     Raises
     ------
     DataError, SettingError
-        As :func:`visualspeech.models.training.train`.
+        As :func:`visualspeech.models.fitting.fit_network`.
     """
     settings = StackSettings(**task.row.settings)
     training = training_settings(task.row.training, seed=task.row.seed)
     layouts = [block.layout for block in task.blocks.values()]
-    trained = train(
-        lambda outputs: Stack(settings, layouts, outputs, training.dropout),
-        task,
-        training,
-        [asdict(settings), code_digest(__file__)],
-    )
-    network = Network(
-        family=FAMILY,
-        settings=asdict(settings),
-        module=trained.module,
-        scaling=trained.scaling,
-        blocks=task.blocks,
-        rate=task.training[0].rate,
-        coding=task.coding,
-        about={"training": asdict(training), "epochs": len(trained.curve), "best_epoch": trained.best_epoch},
-    )
-    return Fitted(network, trained.curve_table())
+
+    def build(outputs: int) -> Stack:
+        return Stack(settings, layouts, outputs, training.dropout)
+
+    return fit_network(task, FAMILY, settings, training, build, [code_digest(__file__)])
 
 
 def load(path: str | Path) -> Network:

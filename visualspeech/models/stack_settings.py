@@ -3,14 +3,15 @@
 from dataclasses import dataclass
 from typing import ClassVar
 
-from visualspeech.fields import Settings, setting, setting_error
+from visualspeech.fields import setting, setting_error
+from visualspeech.models.trajectory.settings import TrajectorySettings
 
 #: Hidden layers at most; each one is a job's memory and time.
 MAX_LAYERS = 16
 
 
 @dataclass(frozen=True)
-class StackSettings(Settings):
+class StackSettings(TrajectorySettings):
     """Hidden layers of a stack.
 
     Fan 2015 does not say what the width of a B layer counts; Sadoughi and Busso (2017) count directions.

@@ -3,6 +3,7 @@
 import importlib
 import json
 import sys
+from dataclasses import asdict
 
 import numpy as np
 import pytest
@@ -15,6 +16,7 @@ from visualspeech.models.entries import ENTRY_KEYS
 from visualspeech.models.families import FAMILIES, Family
 from visualspeech.models.registry import ALWAYS, expand, load_model
 from visualspeech.models.rows import ROLES, ModelRow
+from visualspeech.models.stack_settings import StackSettings
 from visualspeech.models.training_settings import training_settings
 from visualspeech.schema import settings_class
 from visualspeech.storage.models import write_model
@@ -40,7 +42,7 @@ def test_a_grid_gives_a_row_for_each_combination():
     assert names({"nets": NETS}) == ["FBB-64", "FBB-128", "F-64", "F-128"]
     one = row({"nets": NETS}, "FBB-128")
     assert (one.group, one.cell, one.title, one.role, one.family) == ("nets", "FBB-128", "FBB-128", "model", "stack")
-    assert one.settings == {"letters": "FBB", "nodes": 128, "b_nodes": "direction"} and one.reads == ("tri",)
+    assert one.settings == asdict(StackSettings("FBB", 128)) and one.reads == ("tri",)
 
 
 def test_an_entry_without_a_list_has_its_own_name():
