@@ -214,10 +214,10 @@ def fit_hmm(
     own = {key: value for key, value in asdict(settings).items() if key != "seed"}
     row = ModelRow(settings.variant, settings.variant, "hmm", own, tuple(blocks), seed=settings.seed)
     with TemporaryDirectory() as folder:
-        path = Path(folder, "parent.safetensors") if parent else None
+        paths = [Path(folder, "parent.safetensors")] if parent else []
         if parent:
-            parent.save(path)
-        fitted = import_module(FAMILIES["hmm"].module).fit(Task(row, blocks, training, validation, parent=path))
+            parent.save(paths[0])
+        fitted = import_module(FAMILIES["hmm"].module).fit(Task(row, blocks, training, validation, parents=paths))
     return fitted.model
 
 

@@ -70,7 +70,7 @@ def make(folder: Path) -> Path:
     shutil.copyfile(made / FILES["model"], made / "model_stack.safetensors")
     spread, random = np.sqrt(bundle.speaker.aam.appearance_variances), np.random.default_rng(0)
 
-    def task(family, settings, block, parent=None):
+    def task(family, settings, block, *parents):
         examples = []
         for _ in range(6):
             alignment = spoken(random.permutation(PHONES[1:]))
@@ -78,7 +78,7 @@ def make(folder: Path) -> Path:
             target = bundle.rest + 0.3 * spread * random.normal(size=(25, len(bundle.rest)))
             examples.append(Example((stream,), target.astype(np.float32), 25.0))
         row = ModelRow("model", "Model", family, settings, ("block",))
-        return Task(row, {"block": block}, examples, examples, coding, parent)
+        return Task(row, {"block": block}, examples, examples, coding, parents)
 
     small = {"states": 2, "rate": 50.0, "min_frames": 2.0, "mdl_factor": 0.01, "untied_iterations": 1}
     hmm.fit(task("hmm", {**small, "variant": "monophone"}, PhoneTrack(PHONES))).model.save(made / "parent.safetensors")

@@ -17,7 +17,8 @@ ENTRY = {
     "like": {"type": "string", "maxLength": 64,
              "description": "Entry of `models` whose keys count where this one has none."},
     "from": {"type": "string", "maxLength": 64,
-             "description": "As `like`, and training starts from the model of that entry."},
+             "description": "As `like`, and training starts from the model of that entry; of a family that changes "
+                            "the predictions of others: the row or entry whose predictions are changed."},
     "reads": {"type": "array", "uniqueItems": True, "maxItems": 200,
               "items": {"description": "Input block of the system."},
               "description": "Input blocks of the system that the model reads, in this order."},
@@ -94,21 +95,43 @@ def _chain(key: str, models: Mapping) -> list[str]:
     """An entry and those that it takes over from, one after the other; a chain that leads back ends there."""
     names = [key]
     while True:
-        entry = models.get(names[-1], {})
-        above = entry.get("like", entry.get("from"))
+        above = _above(names[-1], models)[1]
         if not isinstance(above, str) or above in names:
             return names
         names.append(above)
+
+
+def _above(key: str, models: Mapping) -> tuple[str, str | None]:
+    """The key by which an entry takes over from another one (``like``, ``from``), and the name of that one."""
+    entry = models.get(key, {})
+    if "like" in entry:
+        return "like", entry["like"]
+    if "from" in entry and not _is_made_from_rows(key, models):
+        return "from", entry["from"]
+    return "", None
+
+
+def _is_made_from_rows(key: str, models: Mapping) -> bool:
+    """Whether ``from`` of an entry names finished rows of any family, of which it takes over nothing."""
+    seen, entry = [key], models.get(key, {})
+    while "family" not in entry and isinstance(entry.get("like"), str) and entry["like"] not in seen:
+        seen.append(entry["like"])
+        entry = models.get(entry["like"], {})
+    family = entry.get("family")
+    return isinstance(family, str) and family in FAMILIES and FAMILIES[family].made_of == "from"
 
 
 def _link_mistakes(key: str, models: Mapping, where: str) -> list[str]:
     """What is wrong with the keys ``like`` and ``from`` of an entry."""
     own = models[key]
     found = mistakes(own, {"type": "object", "properties": {name: ENTRY[name] for name in ("like", "from")}}, where)
-    if "like" in own and "from" in own:
+    from_rows = _is_made_from_rows(key, models)
+    if "like" in own and "from" in own and not from_rows:
         found.append(f"`{where}` has both `like` and `from`; `from` takes over settings too, so leave `like` out.")
     for name in ("like", "from") if not found else ():
         above = own.get(name)
+        if name == "from" and from_rows:
+            continue  # it may be a row, so that it is looked for among the rows
         if above is not None and above not in models:
             others = [other for other in models if other != key]
             found.append(unknown(f"{where}.{name}", above, others, "entry of `models`"))
@@ -120,23 +143,22 @@ def _link_mistakes(key: str, models: Mapping, where: str) -> list[str]:
 def _is_first_of_loop(key: str, models: Mapping) -> bool:
     """Whether an entry's chain leads back to it, and it is the first one of that chain in the settings."""
     names = _chain(key, models)
-    last = models.get(names[-1], {})
-    return last.get("like", last.get("from")) == key and key == next(name for name in models if name in names)
+    return _above(names[-1], models)[1] == key and key == next(name for name in models if name in names)
 
 
 def _family_mistakes(key: str, models: Mapping, where: str) -> list[str]:
     """What is wrong with the family of an entry, and with the family of the one that it takes over from."""
     own, entry = models[key], inherited(key, models)
-    link = "like" if "like" in own else "from"
+    link, named = _above(key, models)
     if "family" not in entry:
         known = f"{ENTRY['family']['description']} Known: {', '.join(FAMILIES)}."
-        return [] if link in own else [f"`{where}` lacks `family`. {known}"]
+        return [] if link else [f"`{where}` lacks `family`. {known}"]
     found = mistakes(entry["family"], _family_schema(), f"{where}.family")
     if found:
         return found if "family" in own else []
-    if link not in own:
+    if not link:
         return []
-    above = inherited(own[link], models)
+    above = inherited(named, models)
     if above.get("family", entry["family"]) != entry["family"]:
         family = f"`{where}.family: {entry['family']}`"
         return [f"{family} must be {above['family']}, the family of the entry that `{link}` names."]
@@ -161,7 +183,8 @@ def _key_mistakes(key: str, models: Mapping, blocks: Collection[str], where: str
         ]
         own = {name: value for name, value in own.items() if name not in TRAINED_KEYS}
     if family.reads[1] == 0 and "reads" in own:
-        found.append(f"`{where}.reads` must be left out: the family {entry['family']} reads no input block.")
+        read = f"what the rows read that `{family.made_of}` names" if family.made_of else "no input block"
+        found.append(f"`{where}.reads` must be left out: the family {entry['family']} reads {read}.")
         own = {name: value for name, value in own.items() if name != "reads"}
     found += mistakes(own, entry_schema(entry["family"], own, blocks), where)
     if family.reads[0] and "reads" not in entry:
@@ -190,7 +213,7 @@ def _settings_mistakes(key: str, models: Mapping, where: str) -> list[str]:
 def inherited(key: str, models: Mapping) -> dict:
     """An entry with what it takes over from the entry named by ``like`` or ``from``; no chain leads back to itself."""
     entry = models[key]
-    above = entry.get("like", entry.get("from"))
+    above = _above(key, models)[1]
     if above is None:
         return entry
     # What is like a model that is made from another is made from that one too.

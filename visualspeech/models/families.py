@@ -1,8 +1,8 @@
 """The families of models by name. For planning: imports no model.
 
-A family is named by the module that implements it, with ``fit(task) -> Fitted`` and ``load(path) -> Model``
-(:mod:`visualspeech.models.task`). The module is imported when a model is trained, and its code is part of the digest of
-its own rows alone: a new family re-trains nobody.
+A family is named by the module that implements it, with ``fit(task) -> Fitted`` and
+``restore(arrays, settings, path) -> Model`` (:mod:`visualspeech.models.task`). The module is imported when a model is
+trained, and its code is part of the digest of its own rows alone: a new family re-trains nobody.
 """
 
 from collections.abc import Callable, Mapping
@@ -23,6 +23,8 @@ class Family:
     cell : name of such a row, from the settings
     title : of a row in tables, from its name and settings
     reads : least and largest number of input blocks; None: any number
+    made_of : key of an entry that names the finished rows that a row is made of, of any family: ``from`` for one, or
+        ``members`` for several; the row reads what they read. Empty: none
     made_from : whether a row of these settings starts from the model of another row, which ``from`` names
     """
 
@@ -34,6 +36,7 @@ class Family:
     cell: Callable[[Mapping], str] = lambda settings: ""
     title: Callable[[str, Mapping], str] = lambda name, settings: name
     reads: tuple[int, int | None] = (0, None)
+    made_of: str = ""
     made_from: Callable[[Mapping], bool] = lambda settings: False
 
 
@@ -54,6 +57,19 @@ FAMILIES = {
         title=lambda name, settings: _HMM_TITLES[settings["variant"]],
         reads=(1, 1),
         made_from=lambda settings: settings["variant"] != "monophone",
+    ),
+    "ensemble": Family(
+        "visualspeech.models.ensemble",
+        "visualspeech.models.combined_settings:EnsembleSettings",
+        reads=(0, 0),
+        made_of="members",
+    ),
+    "gv_compensation": Family(
+        "visualspeech.models.gv_compensation",
+        "visualspeech.models.combined_settings:GvCompensationSettings",
+        reads=(0, 0),
+        made_of="from",
+        made_from=lambda settings: True,
     ),
     "lookup": Family(
         "visualspeech.models.lookup",

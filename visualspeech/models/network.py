@@ -20,7 +20,7 @@ from visualspeech.models.trajectory.mlpg import Mlpg
 from visualspeech.models.trajectory.settings import TrajectorySettings
 from visualspeech.models.trajectory.windows import WINDOWS
 from visualspeech.storage.layouts import RATE, TEXT, Array, FileLayout
-from visualspeech.storage.models import part_of, read_model_of, write_model
+from visualspeech.storage.models import check_model, part_of, write_model
 
 
 @dataclass(frozen=True)
@@ -100,16 +100,19 @@ class Network:
         write_model(path, arrays, settings)
 
 
-def load_network(
+def restore_network(
+    arrays: Mapping[str, np.ndarray],
+    settings: Mapping,
     path: str | Path,
     family: str,
     build: Callable[[Mapping, list[Layout], int], torch.nn.Module],
     shapes: Callable[[Mapping, list[Layout], int], Mapping[str, tuple[int, ...]]],
 ) -> Network:
-    """Read what :meth:`Network.save` wrote.
+    """A network from what :meth:`Network.save` wrote.
 
     Parameters
     ----------
+    arrays, settings, path : content of a file, or of a part of it, and its path
     family : that it must be of
     build : (settings, layouts of the blocks, outputs) -> module without its weights
     shapes : of the same -> shape of each weight of that module by name, found without making it
@@ -117,10 +120,9 @@ def load_network(
     Raises
     ------
     StorageError
-        As :func:`visualspeech.storage.models.read_model_of`, it is of another family, or its weights do not fit its
-        settings.
+        As :func:`visualspeech.storage.models.check_model`, or the weights do not fit the settings.
     """
-    arrays, settings = read_model_of(path, f"model of the family {family}", ["model"], LAYOUT, family)
+    check_model(arrays, settings, path, f"model of the family {family}", ["model"], LAYOUT, family)
     blocks = unpack(arrays, settings["blocks"], path)
     weights = {name: torch.tensor(values) for name, values in part_of(arrays, "weights").items()}
     made = settings["settings"], [block.layout for block in blocks.values()], len(arrays["mean"])

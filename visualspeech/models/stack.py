@@ -7,6 +7,7 @@ from collections.abc import Mapping, Sequence
 from itertools import accumulate
 from pathlib import Path
 
+import numpy as np
 import torch
 from torch import nn
 from torch.nn.utils.rnn import PackedSequence, pack_padded_sequence, pad_packed_sequence
@@ -15,11 +16,12 @@ from visualspeech.features.streams import Layout
 from visualspeech.models.batches import Batch
 from visualspeech.models.fitting import fit_network
 from visualspeech.models.layers import GatedConvolution, dilations, dropped
-from visualspeech.models.network import Network, load_network
+from visualspeech.models.network import Network, restore_network
 from visualspeech.models.stack_settings import StackSettings
 from visualspeech.models.task import Fitted, Task
 from visualspeech.models.training_settings import training_settings
 from visualspeech.provenance import code_digest
+from visualspeech.storage.models import read_model
 
 FAMILY = "stack"
 
@@ -108,9 +110,17 @@ def fit(task: Task) -> Fitted:
 
 
 def load(path: str | Path) -> Network:
-    """Read a saved stack; raises as :func:`visualspeech.models.network.load_network`."""
-    return load_network(path, FAMILY, lambda settings, layouts, outputs: Stack(
-        StackSettings(**settings), layouts, outputs), weight_shapes)  # fmt: skip
+    """Read a saved stack; raises as :func:`visualspeech.models.network.restore_network`."""
+    return restore(*read_model(path), path)
+
+
+def restore(arrays: Mapping[str, np.ndarray], settings: Mapping, path: str | Path) -> Network:
+    """The stack in a file's content; raises as :func:`visualspeech.models.network.restore_network`."""
+
+    def build(own: Mapping, layouts: Sequence[Layout], outputs: int) -> Stack:
+        return Stack(StackSettings(**own), layouts, outputs)
+
+    return restore_network(arrays, settings, path, FAMILY, build, weight_shapes)
 
 
 def weight_shapes(settings: Mapping, layouts: Sequence[Layout], outputs: int) -> dict[str, tuple[int, ...]]:

@@ -80,7 +80,7 @@ def test_like_takes_over_settings_and_from_a_model_too():
     }
     found = {one.name: one for one in rows(chain)}
     assert found["tied"].settings["states"] == 3 and found["mge"].settings["states"] == 4
-    assert [found[name].parent for name in ("hmm", "tied", "mge", "other")] == ["", "hmm", "tied", "tied"]
+    assert [found[name].parents for name in chain] == [(), ("hmm",), ("tied",), ("tied",)]
     assert found["other"].settings["variant"] == "mge" and found["other"].reads == ("track",)
     assert [found[name].title for name in ("hmm", "tied", "mge")] == [
         "First", "tied-state triphone HMM", "MGE-trained HMM",
@@ -167,7 +167,7 @@ def test_every_family_is_what_its_entry_says(name):
     assert family.role in ROLES
     if family.module:
         module = importlib.import_module(family.module)
-        assert name == module.FAMILY and callable(module.fit) and callable(module.load)
+        assert name == module.FAMILY and callable(module.fit) and callable(module.restore)
 
 
 def test_what_is_always_there_needs_no_settings():
@@ -192,7 +192,7 @@ import numpy as np
 from visualspeech.models.block_states import BLOCK_ARRAYS, BLOCKS, pack, unpack
 from visualspeech.models.task import Fitted, check_streams
 from visualspeech.storage.layouts import Array, FileLayout
-from visualspeech.storage.models import read_model_of, write_model
+from visualspeech.storage.models import check_model, write_model
 
 FAMILY = "last"
 
@@ -221,8 +221,8 @@ def fit(task):
 
 LAYOUT = FileLayout({"frame": Array("f", ("N",)), **BLOCK_ARRAYS}, {"blocks": BLOCKS})
 
-def load(path):
-    arrays, settings = read_model_of(path, "last frame", ["model"], LAYOUT, FAMILY)
+def restore(arrays, settings, path):
+    check_model(arrays, settings, path, "last frame", ["model"], LAYOUT, FAMILY)
     return Last(arrays["frame"], unpack(arrays, settings["blocks"]))
 '''
 NEW_SETTINGS = '''
