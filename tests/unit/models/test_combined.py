@@ -146,7 +146,7 @@ def deviations(model, examples):
 def test_excursions_grow_by_a_power_of_what_they_lack(paths, strength):
     parent, model = load_model(paths["lookup"]), compensated(paths, strength).model
     recorded, before = deviations(parent, VALIDATION)
-    assert before.min() < 0.9 * recorded[before.argmin()]
+    assert (before < 0.95 * recorded).any()
     np.testing.assert_allclose(model.factor, (recorded / before) ** strength, rtol=1e-5)
     np.testing.assert_allclose(
         deviations(model, VALIDATION)[1], before ** (1 - strength) * recorded**strength, rtol=1e-5
