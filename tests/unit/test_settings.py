@@ -106,6 +106,7 @@ def test_every_settings_class_of_a_run_is_in_a_schema():
     from tests.unit.test_fields import CLASSES
 
     library = {"DemoSettings", "RenderSettings", "SpeakSettings", "VideoSettings", "WalkSettings"}
+    library |= {"TrajectorySettings"}  # the settings of networks inherit it
     assert {cls.__name__ for cls in set(CLASSES) - named - families - blocks} == library
 
 
@@ -370,9 +371,11 @@ def test_planning_imports_nothing_heavy():
 def test_the_examples_of_the_reference_are_taken():
     blocks = (CONFIG / "README.md").read_text().split("```yaml\n")[1:]
     examples = [yaml.safe_load(block.split("```")[0]) for block in blocks]
-    assert len(examples) == 2
+    assert len(examples) == 4
     for example in examples:
         example.pop("corpora", None)
+        if set(example) == {"models"}:
+            example = {"override": {"systems": {"fan2015": example}}}
         assert resolve(overlaid({"override": {"systems": {"fan2015": {"videos": {"model": ""}}}}}, example), CONFIG)
 
 

@@ -1,6 +1,7 @@
 """Settings of what is generated from a network's outputs; without torch, for planning."""
 
 from dataclasses import dataclass
+from typing import ClassVar
 
 from visualspeech.fields import Settings, setting
 
@@ -8,6 +9,8 @@ from visualspeech.fields import Settings, setting
 @dataclass(frozen=True, kw_only=True)
 class TrajectorySettings(Settings):
     """What a network's outputs stand for. Settings of a family of networks inherit these."""
+
+    section: ClassVar[str] = "models"
 
     trajectory: str = setting(
         "none",
