@@ -20,7 +20,8 @@ from visualspeech.evaluation.tables import TableSettings
 from visualspeech.face.aam.model import AamSettings
 from visualspeech.features.blocks.base import block_class, block_kinds
 from visualspeech.fields import MAX_SEED, described_fields, section_schema
-from visualspeech.models.registry import ENTRY, ENTRY_KEYS, FAMILIES, TRAINED_KEYS, entry_schema
+from visualspeech.models.entries import ENTRY, ENTRY_KEYS, TRAINED_KEYS, entry_schema
+from visualspeech.models.families import FAMILIES
 from visualspeech.models.training_settings import TrainingSettings
 from visualspeech.planning.run import KINDS, RESERVED, plan_run, resolve
 from visualspeech.planning.systems import NAME, NEEDS, block_schema
@@ -105,6 +106,7 @@ def test_every_settings_class_of_a_run_is_in_a_schema():
     from tests.unit.test_fields import CLASSES
 
     library = {"DemoSettings", "RenderSettings", "SpeakSettings", "VideoSettings", "WalkSettings"}
+    library |= {"TrajectorySettings"}  # the settings of networks inherit it
     assert {cls.__name__ for cls in set(CLASSES) - named - families - blocks} == library
 
 
@@ -369,9 +371,11 @@ def test_planning_imports_nothing_heavy():
 def test_the_examples_of_the_reference_are_taken():
     blocks = (CONFIG / "README.md").read_text().split("```yaml\n")[1:]
     examples = [yaml.safe_load(block.split("```")[0]) for block in blocks]
-    assert len(examples) == 2
+    assert len(examples) == 4
     for example in examples:
         example.pop("corpora", None)
+        if set(example) == {"models"}:
+            example = {"override": {"systems": {"fan2015": example}}}
         assert resolve(overlaid({"override": {"systems": {"fan2015": {"videos": {"model": ""}}}}}, example), CONFIG)
 
 

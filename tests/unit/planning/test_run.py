@@ -12,7 +12,7 @@ from tests.unit.planning.configs import CONFIG, planned, resolved, rows
 from visualspeech.errors import CorpusError, SettingError
 from visualspeech.features.blocks.base import block_class
 from visualspeech.fields import with_defaults
-from visualspeech.models.registry import FAMILIES
+from visualspeech.models.families import FAMILIES
 from visualspeech.models.rows import ModelRow
 from visualspeech.models.training_settings import TrainingSettings
 from visualspeech.schema import check, load_schema, settings_class

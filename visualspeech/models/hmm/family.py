@@ -17,7 +17,7 @@ from visualspeech.models.hmm.segments import PhoneTrack
 from visualspeech.models.hmm.training import fit_monophones, fit_tied
 from visualspeech.models.task import Fitted, Task, check_examples, check_streams
 from visualspeech.storage.layouts import RATE, TEXT, FileLayout
-from visualspeech.storage.models import read_model_of, write_model
+from visualspeech.storage.models import check_model, read_model, write_model
 
 FAMILY = "hmm"
 
@@ -99,16 +99,21 @@ def fit(task: Task) -> Fitted:
     if settings.variant == "monophone":
         hmm = fit_monophones(training, blocks[0].phones, settings)
     else:
-        if task.parent is None:
+        if not task.parents:
             raise DataError(f"`models.{row.name}` is of the variant {settings.variant} and needs `from`.")
-        start = replace(load(task.parent).hmm, settings=settings)
+        start = replace(load(task.parents[0]).hmm, settings=settings)
         hmm = fit_tied(start, training) if settings.variant == "tied" else refine(start, training, validation)
     return Fitted(HmmModel(hmm, task.blocks, float(task.training[0].rate), task.coding), hmm.history_table())
 
 
 def load(path: str | Path) -> HmmModel:
-    """Read saved HMMs; raises as :func:`visualspeech.storage.models.read_model_of`."""
-    arrays, settings = read_model_of(path, "phone HMMs", ["model"], LAYOUT, FAMILY)
+    """Read saved HMMs; raises as :func:`restore`."""
+    return restore(*read_model(path), path)
+
+
+def restore(arrays: Mapping[str, np.ndarray], settings: Mapping, path: str | Path) -> HmmModel:
+    """The HMMs in a file's content; raises as :func:`visualspeech.storage.models.check_model`."""
+    check_model(arrays, settings, path, "phone HMMs", ["model"], LAYOUT, FAMILY)
     blocks = unpack(arrays, settings["blocks"], path)
     hmm = Hmm.restore(arrays, settings["hmm"], path)
     (columns, centre), layouts = hmm.tying.layout, [block.layout for block in blocks.values()]

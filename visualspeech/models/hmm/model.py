@@ -10,10 +10,10 @@ from visualspeech.errors import DamagedFile, DataError
 from visualspeech.features.resampling import resample
 from visualspeech.fields import MAX_SEED, Settings, restored, setting
 from visualspeech.models.hmm.chains import timed_states
-from visualspeech.models.hmm.generation import Trajectory, generate
 from visualspeech.models.hmm.segments import PhoneTrack
 from visualspeech.models.hmm.statistics import Gaussians
 from visualspeech.models.hmm.tying import Tying
+from visualspeech.models.trajectory.generation import Trajectory, check_generation, generate, step_of
 from visualspeech.storage.layouts import PHONES, Array
 from visualspeech.storage.models import part_of
 from visualspeech.timing import frames_in
@@ -94,7 +94,7 @@ class HmmSettings(Settings):
     @property
     def step(self) -> int:
         """Frames between the taps of the windows."""
-        return max(round(self.delta_step * self.rate), 1)
+        return step_of(self.delta_step, self.rate)
 
 
 @dataclass(frozen=True)
@@ -230,16 +230,12 @@ PLAIN = {
         "about": {"type": "object"},
     },
 }
-_MOST_STEP = 200  # frames between the taps of the windows, to which the memory of a generated stream is proportional
-_MOST_SPREAD = 1e12  # largest over least variance of one parameter, beyond which streams cannot be computed
 
 
 def _check(path, hmm: Hmm) -> None:
     """Refuse trees that never end or lead to no Gaussian, and Gaussians from which no stream can be generated."""
     tying, count = hmm.tying, len(hmm.gaussians.mean)
     nodes = len(tying.positions)
-    if hmm.settings.step > _MOST_STEP:
-        raise DamagedFile(path, f"its windows reach over {hmm.settings.step} frames, more than {_MOST_STEP}")
     if len(hmm.phones) != tying.roots.shape[1] or hmm.settings.states != tying.roots.shape[0]:
         raise DamagedFile(path, "its phones or states are not those of its trees")
     targets = np.concatenate([tying.roots.ravel(), tying.branches.ravel()])
@@ -247,6 +243,4 @@ def _check(path, hmm: Hmm) -> None:
     onward = (tying.branches < 0) | (tying.branches > np.arange(nodes)[:, None])
     if targets.min() < -count or targets.max() >= nodes or not onward.all() or (tying.positions >= tying.columns).any():
         raise DamagedFile(path, "its trees lead to no Gaussian")
-    variance = hmm.gaussians.variance.reshape(count, 3, -1).astype(np.float64)
-    if (variance.max(axis=(0, 1)) > _MOST_SPREAD * variance.min(axis=(0, 1))).any():
-        raise DamagedFile(path, "the variances of one parameter are too different to generate a stream")
+    check_generation(path, hmm.gaussians.variance, hmm.settings.step)

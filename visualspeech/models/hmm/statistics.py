@@ -8,7 +8,7 @@ import numpy as np
 from visualspeech.features.resampling import resample
 from visualspeech.models.hmm.chains import even_states, expected_states
 from visualspeech.models.hmm.segments import Example
-from visualspeech.models.hmm.windows import observations
+from visualspeech.models.trajectory.windows import observations
 
 #: Bounds of the self-transition probability of a state.
 SELF_TRANSITION = (0.02, 0.995)
