@@ -5,6 +5,7 @@ import pytest
 
 from tests.unit.models.hmm.speech import PHONES, utterances
 from visualspeech.errors import DataError, SettingError
+from visualspeech.features.resampling import resample
 from visualspeech.models.hmm.chains import even_states
 from visualspeech.models.hmm.mge import refine
 from visualspeech.models.hmm.model import Hmm, HmmSettings
@@ -51,7 +52,7 @@ def test_even_start_against_means_frame_by_frame():
     groups = {}
     for example in TRAINING:
         one = prepare(example, 50.0, 2)
-        phones = np.repeat(one.phones, one.lengths)
+        phones = np.repeat(one.units, one.lengths)
         for phone, state, seen in zip(phones, even_states(one.lengths, 3), one.observed, strict=True):
             groups.setdefault(3 * phone + state, []).append(seen)
     prior = Gaussians(np.zeros((18, 6)), np.ones((18, 6)), np.ones(18), np.ones(18))
@@ -110,6 +111,24 @@ def test_prediction_at_any_rate_and_length(tied):
     assert tied.predict(track, 1, rate).shape == (1, 2)
 
 
+@pytest.mark.parametrize(("rate", "loss"), [(50.0, 0.25), (75.0, 0.0), (100.0, 0.125), (125.0, 0.0), (25.0, 0.0)])
+def test_reading_keeps_what_the_frames_hold(tied, rate, loss):
+    """From 25 Hz to the rate of the HMMs and back: each frame lends a share ``loss`` to its neighbours."""
+    hmm = replace(tied, settings=replace(SMALL, rate=rate))
+    values = np.random.default_rng(3).normal(size=(40, 2))
+    read = hmm.read(resample(values, 25.0, rate), 40, 25.0)
+    padded = np.pad(values, ((1, 1), (0, 0)), mode="edge")
+    assert np.allclose(read, (1 - loss) * values + loss / 2 * (padded[:-2] + padded[2:]))
+
+
+def test_predictions_are_the_trajectory_at_the_centres_of_frames(tied):
+    track, seen, rate = TEST[0]
+    states = tied.states_of(*track.runs(2 * len(seen), 2 * rate))
+    values = tied.trajectory(states).values
+    centre = (values[::2] + values[1::2]) / 2  # two frames at 50 Hz lie evenly about the centre of one at 25 Hz
+    assert np.allclose(tied.predict(track, len(seen), rate), centre, rtol=1e-5, atol=1e-5)
+
+
 def test_a_stream_at_the_rate_of_the_hmms():
     hmm = fit_monophones(TRAINING[:5], PHONES, replace(SMALL, rate=25.0))
     assert np.isfinite(error(hmm))
@@ -162,7 +181,7 @@ def test_quinphones_train_tie_and_predict(tmp_path):
     given = {"far": 0.6, "noise": 0.1}
     narrow, wide, test = utterances(60, **given), utterances(60, neighbours=2, **given), utterances(10, 7, **given)
     hmm = fit_tied(fit_monophones(wide, PHONES, SMALL), wide)
-    assert hmm.tying.layout == (5, 2) and 4 in hmm.tying.positions
+    assert hmm.tying.layout == (5, 2, 1) and 4 in hmm.tying.positions
     beyond = utterances(10, 7, neighbours=2, **given)
     triphone = fit_tied(fit_monophones(narrow, PHONES, SMALL), narrow)
     assert error(hmm, beyond) < 0.9 * error(triphone, test)
@@ -170,7 +189,7 @@ def test_quinphones_train_tie_and_predict(tmp_path):
     again = kept(hmm, tmp_path / "hmm.safetensors")
     assert np.array_equal(again.predict(track, len(values), rate), hmm.predict(track, len(values), rate))
     refined = refine(replace(hmm, settings=replace(SMALL, mge_epochs=1)), wide[:8], beyond)
-    assert refined.tying.layout == (5, 2) and np.isfinite(error(refined, beyond))
+    assert refined.tying.layout == (5, 2, 1) and np.isfinite(error(refined, beyond))
 
 
 def test_contexts_too_wide_to_number_as_digits():
@@ -182,3 +201,61 @@ def test_contexts_too_wide_to_number_as_digits():
     ]
     hmm = fit_tied(fit_monophones(examples, tuple(PHONE_SET), SMALL), examples)
     assert np.isfinite(error(hmm, examples))
+
+
+def divided(examples, seed=1, bend=0.0):
+    """The same utterances in rows of three divisions a phone, at random times; ``bend`` moves the second division."""
+    generator = np.random.default_rng(seed)
+    for track, values, rate in examples:
+        lasting = np.diff(np.r_[track.starts, track.starts[-1] + 0.15])
+        cuts = np.sort(generator.uniform(0.1, 0.9, (len(lasting), 2)), axis=1)
+        starts = (track.starts[:, None] + lasting[:, None] * np.column_stack([np.zeros(len(lasting)), cuts])).ravel()
+        numbers = np.tile(np.arange(3), len(lasting))
+        contexts = np.column_stack([np.repeat(track.contexts, 3, axis=0), numbers])
+        time = (np.arange(len(values)) + 0.5) / rate
+        moved = values + bend * (numbers[np.searchsorted(starts, time, side="right") - 1] == 1)[:, None]
+        yield PhoneTrack(contexts, starts, track.centre, 3), moved.astype(np.float32), rate
+
+
+@pytest.mark.parametrize("states", [3, 6])
+def test_divided_monophones_are_monophones_of_more_phones(states):
+    """A phone in three divisions, against three phones in a row of an inventory of 3 K."""
+    examples = list(divided(TRAINING[:10]))
+    apart = []
+    for track, values, rate in examples:
+        units = 3 * track.contexts[:, 1] + track.contexts[:, 3]
+        none = np.zeros_like(units)
+        apart.append((PhoneTrack(np.column_stack([none, units, none]), track.starts, 1), values, rate))
+    found = fit_monophones(examples, PHONES, replace(SMALL, states=states))
+    names = tuple(f"{phone}{number}" for phone in PHONES for number in range(3))
+    expected = fit_monophones(apart, names, replace(SMALL, states=states // 3))
+    assert np.array_equal(found.gaussians.mean, expected.gaussians.mean)
+    assert np.array_equal(found.self_transition.ravel(), expected.self_transition.ravel())
+    for (track, seen, rate), (other, *_) in zip(examples, apart, strict=True):
+        assert np.array_equal(found.predict(track, len(seen), rate), expected.predict(other, len(seen), rate))
+
+
+def of_phones(examples):
+    """Divided utterances without the times of the divisions."""
+    return [(PhoneTrack(track.contexts[::3, :3], track.starts[::3], 1), seen, rate) for track, seen, rate in examples]
+
+
+def test_known_times_within_phones_are_worth_what_they_tell(tmp_path):
+    training, test = list(divided(TRAINING, bend=20.0)), list(divided(TEST, 2, bend=20.0))
+    alone, test_alone = of_phones(training), of_phones(test)
+    blind = fit_tied(fit_monophones(alone, PHONES, SMALL), alone)
+    hmm = fit_tied(fit_monophones(training, PHONES, SMALL), training)
+    assert error(hmm, test) < 0.8 * error(blind, test_alone)
+    track, values, rate = test[0]
+    again = kept(hmm, tmp_path / "hmm.safetensors")
+    assert np.array_equal(again.predict(track, len(values), rate), hmm.predict(track, len(values), rate))
+    refined = refine(replace(hmm, settings=replace(SMALL, mge_epochs=2)), training, test)
+    assert error(refined, test) < error(hmm, test)
+
+
+def test_divisions_that_do_not_fit(tied):
+    track, values, rate = next(divided(TRAINING[:1]))
+    with pytest.raises(DataError, match="phones divided in 3; those of the HMMs have 3 columns"):
+        tied.predict(track, len(values), rate)
+    with pytest.raises(DataError, match="`states: 5` of the HMMs must be a multiple of 3"):
+        fit_monophones([(track, values, rate)], PHONES, replace(SMALL, states=5))
