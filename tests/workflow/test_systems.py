@@ -18,6 +18,7 @@ SECOND = {
     "rate": 50,
     "models": {
         "nets": {"letters": ["F"], "nodes": [8]},
+        "nets_thirds": None,
         "hmm_monophone": None,
         "hmm_tied": None,
         "hmm_mge": None,
