@@ -33,7 +33,7 @@ from visualspeech.face.aam.model import Aam
 from visualspeech.face.aam.reference import Reference, texture_image
 from visualspeech.face.head import HeadModel
 from visualspeech.features.blocks.base import Source
-from visualspeech.features.blocks.phone_track import PhoneTrack
+from visualspeech.features.blocks.phone_track import PhoneTrack, PhoneTrackSettings
 from visualspeech.features.blocks.triphone_state import TriphoneState
 from visualspeech.features.examples import Example
 from visualspeech.models import ensemble, gv_compensation, lookup, mean, stack
@@ -81,9 +81,11 @@ def make(folder: Path) -> Path:
         row = ModelRow("model", "Model", family, settings, tuple(blocks), options or {})
         return Task(row, blocks, examples, examples, coding, parents)
 
-    small = {"states": 2, "rate": 50.0, "min_frames": 2.0, "mdl_factor": 0.01, "untied_iterations": 1}
+    # HMMs with all that a file of them can hold: phones divided at the times of their states.
+    track = PhoneTrack(PHONES, PhoneTrackSettings("aligned"))
+    small = {"states": 3, "rate": 50.0, "min_frames": 2.0, "mdl_factor": 0.01, "untied_iterations": 1}
     hmm.fit(task("hmm", {**small, "variant": "monophone"}, PhoneTrack(PHONES))).model.save(made / "parent.safetensors")
-    tied = task("hmm", {**small, "variant": "tied"}, PhoneTrack(PHONES), parents=[made / "parent.safetensors"])
+    tied = task("hmm", {**small, "variant": "tied"}, track, parents=[made / "parent.safetensors"])
     hmm.fit(tied).model.save(made / "model_hmm.safetensors")
     settings = {"context": "triphone", "min_count": 2}
     lookup.fit(task("lookup", settings, TriphoneState(PHONES))).model.save(made / "model_lookup.safetensors")

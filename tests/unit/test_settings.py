@@ -282,13 +282,22 @@ def rows(system="fan2015", **changes):
 
 def test_further_seeds_and_other_inputs_have_names_of_their_own():
     nets = {"letters": ["FBB", "F"], "nodes": [128]}
-    names = [row["name"] for row in rows(models={"nets": nets}, seeds=[1, 5]) if row["family"] == "stack"]
+    names = [
+        row["name"]
+        for row in rows(models={"nets": nets, "nets_thirds": None}, seeds=[1, 5])
+        if row["family"] == "stack"
+    ]
     assert names == ["FBB-128", "F-128", "FBB-128-s5", "F-128-s5"]
     richer = {"like": "nets", "letters": ["FBB"], "reads": ["tri", "parts"], "suffix": "rich"}
-    found = [row for row in rows(models={"nets": nets, "richer": richer}, seeds=[3]) if row["family"] == "stack"]
+    given = {"nets": nets, "nets_thirds": None, "richer": richer}
+    found = [row for row in rows(models=given, seeds=[3]) if row["family"] == "stack"]
     assert [row["name"] for row in found] == ["FBB-128", "F-128", "FBB-128-rich"]
     assert found[2]["reads"] == ["tri", "parts"] and {row["seed"] for row in found} == {3}
-    own = [row["name"] for row in rows(models={"nets": {**nets, "seeds": [7, 8]}}) if row["family"] == "stack"]
+    own = [
+        row["name"]
+        for row in rows(models={"nets": {**nets, "seeds": [7, 8]}, "nets_thirds": None})
+        if row["family"] == "stack"
+    ]
     assert own == ["FBB-128", "F-128", "FBB-128-s8", "F-128-s8"]
 
 
