@@ -6,10 +6,9 @@ from pathlib import Path
 
 from visualspeech.errors import SettingError
 from visualspeech.evaluation.published_results import published_names
-from visualspeech.features.blocks.base import block_class, block_kinds
+from visualspeech.features.blocks.base import block_class, block_kinds, needs_of
 from visualspeech.fields import section_schema, with_defaults
 from visualspeech.models.entries import model_mistakes
-from visualspeech.models.families import FAMILIES
 from visualspeech.models.registry import expand
 from visualspeech.models.rows import ModelRow
 from visualspeech.schema import check, mistakes, unknown
@@ -225,7 +224,7 @@ def complete_system(system: Mapping, seed: int) -> dict:
     blocks = {name: _block(block, f"{where}.blocks.{name}") for name, block in system["blocks"].items() if block}
     seeds = system["seeds"] or [seed]
     rows = expand(system["models"], blocks, system["training"], seeds, f"{where}.models")
-    found = _naming_mistakes(system, rows, where)
+    found = _naming_mistakes(system, rows, where) + _sound_mistakes(system, blocks, rows, where)
     if found:
         raise SettingError("\n".join(found))
     models = [row for row in rows if row.role == "model"]
@@ -234,9 +233,14 @@ def complete_system(system: Mapping, seed: int) -> dict:
     return {
         **{key: value for key, value in system.items() if key not in ("models", "training", "seeds")},
         "seeds": seeds,
+        # What its models read counts among its needs, whether or not its file says so.
+        "needs": list(
+            dict.fromkeys([*system["needs"], *sorted(set().union(*(_needs_of_row(row, blocks) for row in rows)))])
+        ),
         "blocks": blocks,
         "rows": [row.plain() for row in rows],
         "videos": {**system["videos"], "model": shown},
+        "sound_model": next(iter(_of_groups(filter(None, [system["sound_model"]]), rows)), ""),
         "tables": {
             **system["tables"],
             "topologies": _of_groups(system["tables"]["topologies"], rows),
@@ -252,6 +256,22 @@ def _block(block: Mapping, where: str) -> dict:
     given = {name: value for name, value in block.items() if name != "kind"}
     cls = block_class(block["kind"]).settings
     return {"kind": block["kind"], "settings": with_defaults(cls, given, where=where) if cls else {}}
+
+
+def _sound_mistakes(system: Mapping, blocks: Mapping, rows: Sequence[ModelRow], where: str) -> list[str]:
+    """Rows that are to speak for recordings and do not read sound alone."""
+    wanted = system["sound_model"]
+    return [
+        f"`{where}.sound_model: {wanted}` must read input blocks of sound alone; {row.name} reads "
+        f"{', '.join(row.reads) or 'none'}."
+        for row in rows
+        if wanted and wanted in (row.group, row.name) and _needs_of_row(row, blocks) != {"audio"}
+    ]
+
+
+def _needs_of_row(row: ModelRow, blocks: Mapping) -> set[str]:
+    """What the input blocks of a row are computed from."""
+    return {need for name in row.reads for need in needs_of(block_class(blocks[name]["kind"]))}
 
 
 def _naming_mistakes(system: Mapping, rows: Sequence[ModelRow], where: str) -> list[str]:
@@ -272,12 +292,8 @@ def _naming_mistakes(system: Mapping, rows: Sequence[ModelRow], where: str) -> l
             for number, name in enumerate(names)
             if name not in known
         ]
-    found += [
-        f"`{where}.tables.gains.candidates.{number}: {name}` must name networks: the best one has the lowest "
-        "validation error of a learning curve, which other models do not have."
-        for number, name in enumerate(tables["gains"]["candidates"])
-        if any(name in (row.group, row.name) and not FAMILIES[row.family].trained for row in rows)
-    ]
+    if system["sound_model"] and system["sound_model"] not in known:
+        found.append(unknown(f"{where}.sound_model", system["sound_model"], known, "entry of `models` and no row"))
     shown = system["videos"]["model"]
     if shown and shown not in trained:
         found.append(unknown(f"{where}.videos.model", shown, trained, "model of the system"))

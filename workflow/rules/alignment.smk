@@ -1,3 +1,4 @@
+# Without transcripts nothing is aligned: the table then tells speech from pauses.
 rule align_speech:
     input:
         # Nothing heavy starts before every recording is checked; the check's time stamp is no reason to align again.
@@ -17,6 +18,7 @@ rule align_speech:
         disk_mb=200,
     params:
         settings=SETTINGS["alignment"],
+        text=has_text,
         code=code("align_speech.py"),
     script:
         "../scripts/align_speech.py"

@@ -9,7 +9,15 @@ import pytest
 from tests.unit.speech.alignments import even_alignment
 from visualspeech.errors import DataError, SettingError, StorageError
 from visualspeech.features.blocks import base
-from visualspeech.features.blocks.base import Source, block_class, block_kinds, block_module, load_block, save_block
+from visualspeech.features.blocks.base import (
+    Source,
+    block_class,
+    block_kinds,
+    block_module,
+    load_block,
+    needs_of,
+    save_block,
+)
 from visualspeech.features.contexts import phone_contexts, phone_inventory
 from visualspeech.features.label_parts import PARTS, label_parts
 from visualspeech.features.labels import label_indices, label_shares, one_hot
@@ -19,6 +27,7 @@ from visualspeech.models.block_states import load_blocks, pack, unpack
 from visualspeech.speech import tts
 from visualspeech.speech.alignment import to_table
 from visualspeech.speech.phone_classes import PHONE_CLASSES
+from visualspeech.speech.sound import Sound
 from visualspeech.storage.arrays import ArrayReader, ArrayWriter
 from visualspeech.storage.models import write_model
 from visualspeech.storage.tables import write_table
@@ -27,24 +36,28 @@ SENTENCES = (
     [("sil", ["sil"]), ("computer", "k ah m p y uw t er".split()), ("a", ["ah"]), ("sil", ["sil"])],
     [("sil", ["sil"]), ("map", ["m", "ae", "p"]), ("sil", ["sil"])],
 )
-SOURCES = [Source(frames, 25.0, even_alignment(words)) for frames, words in zip((28, 13), SENTENCES, strict=True)]
+LENGTHS = (28, 13)
+SOURCES = [Source(frames, 25.0, even_alignment(words)) for frames, words in zip(LENGTHS, SENTENCES, strict=True)]
+NOISE = np.random.default_rng(5).normal(0, 2000, (2, 18000)).astype(np.int16)
+HEARD = [
+    replace(one, sound=Sound(noise[: 640 * one.frames])) for one, noise in zip(SOURCES, NOISE, strict=True)
+]  # fmt: skip
 PHONES = phone_inventory(source.alignment for source in SOURCES)
 
 
 def fitted(kind, **settings):
     cls = block_class(kind)
-    return cls.fit(with_defaults(cls.settings, settings) if cls.settings else {}, PHONES, iter(()))
+    return cls.fit(with_defaults(cls.settings, settings) if cls.settings else {}, PHONES, iter(HEARD))
 
 
 def test_the_kinds_are_the_modules():
-    assert block_kinds() == ["label_parts", "phone_classes", "phone_track", "triphone_state"]
+    assert block_kinds() == ["label_parts", "log_mel", "phone_classes", "phone_track", "triphone_state"]
     for kind in block_kinds():
         cls = block_class(kind)
         assert cls.kind == kind and cls.__module__ == block_module(kind)
         assert cls.settings is None or issubclass(cls.settings, Settings)
-    with pytest.raises(
-        StorageError, match="kind 'triphones' is unknown. Known: label_parts, phone_classes, phone_track"
-    ):
+    known = "label_parts, log_mel, phone_classes, phone_track"
+    with pytest.raises(StorageError, match=f"kind 'triphones' is unknown. Known: {known}"):
         block_class("triphones")
 
 
@@ -64,9 +77,9 @@ def test_streams_fit_the_layout_and_the_file_gives_the_same(tmp_path, kind, sett
     save_block(tmp_path / "block.safetensors", block)
     again = load_block(tmp_path / "block.safetensors")
     assert again == block and again.layout == block.layout
-    streams = list(block.encode(SOURCES))
-    assert len(streams) == len(SOURCES)
-    for stream, other, source in zip(streams, again.encode(SOURCES), SOURCES, strict=True):
+    streams = list(block.encode(HEARD))
+    assert len(streams) == len(HEARD)
+    for stream, other, source in zip(streams, again.encode(HEARD), HEARD, strict=True):
         check_stream(stream, block.layout, kind)
         assert block.layout.segmental or len(stream) == source.frames
         assert stream.arrays().keys() == other.arrays().keys()
@@ -190,6 +203,37 @@ def test_what_blocks_are_computed_from(tmp_path):
         assert {one.label for one in other.alignment.phones} <= set(known)
         found = base.read_sources(tmp_path / "alignment.tsv", targets, ["c"])["c"]
     assert (found.frames, found.rate) == (56, 50.0)
+
+
+def test_blocks_say_what_they_are_computed_from():
+    needs = {kind: needs_of(block_class(kind)) for kind in block_kinds()}
+    assert needs.pop("log_mel") == ("audio",) and set(needs.values()) == {("text",)}
+    # What a label block reads does not change where there is sound.
+    for kind in needs:
+        for one, other in zip(fitted(kind).encode(SOURCES), fitted(kind).encode(HEARD), strict=True):
+            assert all(np.array_equal(values, other.arrays()[name]) for name, values in one.arrays().items())
+
+
+def test_sound_is_read_when_a_block_asks_for_it(tmp_path):
+    with ArrayWriter(tmp_path / "audio.h5") as out:
+        for name, samples in zip("ab", NOISE, strict=True):
+            out.add(name, {"samples": samples}, rate=16000)
+    with ArrayWriter(tmp_path / "targets.h5") as out:
+        out.add("a", {"appearance": np.zeros((28, 2))}, rate=25.0)
+        out.add("c", {"appearance": np.zeros((28, 2))}, rate=25.0)
+    with ArrayReader(tmp_path / "targets.h5") as targets, ArrayReader(tmp_path / "audio.h5") as audio:
+        found = base.read_sources(None, targets, ["a", "b", "c"], audio=audio)
+        assert list(found) == ["a"] and found["a"].alignment is None  # b has no targets, c no sound
+        sound = found["a"].sound
+        assert (len(sound.samples), sound.rate) == (18000, 16000)
+        assert np.array_equal(sound.between(7, 12), NOISE[0, 7:12] / 32768)
+        block = fitted("log_mel")
+        (stream,) = block.encode([found["a"]])
+        (other,) = block.encode([replace(SOURCES[0], sound=Sound(NOISE[0]))])
+        assert np.array_equal(stream.values, other.values)
+        # A block that must have all of them fails where one is missing, and does not leave it out.
+        with pytest.raises(StorageError, match="audio.h5.*'c'"):
+            list(block.encode(list(base.read_sources(None, targets, ["a", "c"], True, audio).values())))
 
 
 def test_blocks_inside_a_model():

@@ -82,15 +82,39 @@ def test_a_system_in_one_mapping():
     assert [row["name"] for row in found["rows"]] == ["F-8", "training_mean", "reconstruction"]
     assert found["videos"]["model"] == "F-8" and found["preference"]["models"] == ["F-8", "training_mean"]
     assert "models" not in found and found["seeds"] == [1]
+    assert found["needs"] == ["video", "text"]  # labels are computed from the text, whatever its file says
 
 
 def test_a_system_of_baselines_shows_one():
     names = ("monophone", "tied", "mge")
-    models = dict.fromkeys(["nets", "nets_thirds", *(f"hmm_{one}{end}" for one in names for end in ("", "_states"))])
+    nets = ["nets", "nets_thirds", "sound", "text_and_sound"]
+    models = dict.fromkeys([*nets, *(f"hmm_{one}{end}" for one in names for end in ("", "_states"))])
     settings = resolved({"systems": [system(models=models, videos={"model": ""})]})
     mine = settings["systems"]["mine"]
     assert mine["videos"]["model"] == "training_mean" and mine["tables"]["topologies"] == []
     assert mine["preference"]["models"] == ["training_mean", "triphone_state_mean"]
+
+
+def test_the_model_for_recordings_is_an_entry_or_a_row():
+    changes = {"models": {"sound": {"nodes": [16, 32]}}}
+    for name, row in {"sound": "FBB-16-mel", "FBB-32-mel": "FBB-32-mel", "": ""}.items():
+        settings = resolved({"override": {"systems": {"fan2015": {**changes, "sound_model": name}}}})
+        assert settings["systems"]["fan2015"]["sound_model"] == row
+    settings = resolved({"override": {"systems": {"fan2015": {"models": {"sound": None, "text_and_sound": None}}}}})
+    assert settings["systems"]["fan2015"]["sound_model"] == ""
+    for name, said in {
+        "hmm_mge": "hmm_mge reads track",
+        "text_and_sound": "reads tri, mel",
+        "x": "is no entry of",
+    }.items():
+        with pytest.raises(SettingError, match=f"sound_model: {name}.*{said}"):
+            resolved({"override": {"systems": {"fan2015": {"sound_model": name}}}})
+
+
+def test_a_system_driven_by_sound_needs_no_text():
+    system = resolved({"systems": ["sound_driven"]})["systems"]["sound_driven"]
+    assert system["needs"] == ["video", "audio", "one_speaker"] and system["sound_model"] == "FBB-128"
+    assert missing_needs(system, frozenset({"video", "audio", "one_speaker"})) == []
 
 
 def test_seeds_of_the_run_and_of_a_system():
@@ -191,8 +215,6 @@ MISTAKES = [
     (changed(preference={"models": ["FBB-128", "FBB"]}), "`systems.fan2015.preference.models.1: FBB` is no model"),
     (changed(tables={"topologies": ["net"]}), r"`systems.fan2015.tables.topologies.0: net` is .*Did you mean `nets`"),
     (changed(tables={"gains": {"references": ["hmm"]}}), "`systems.fan2015.tables.gains.references.0: hmm` is no entr"),
-    (changed(tables={"gains": {"candidates": ["nets", "hmm_mge"]}}),
-     "`systems.fan2015.tables.gains.candidates.1: hmm_mge` must name networks"),
     (models(mix={"family": "ensemble", "members": ["net"]}),
      r"`systems.fan2015.models.mix.members.0: net` is no entry .*Did you mean `nets`"),
     (changed(tables={"ablation": {"rows": {"network": ["nets_thirds", "net"]}}}),
