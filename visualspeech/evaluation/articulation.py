@@ -22,7 +22,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from visualspeech.errors import DamagedFile, DataError
-from visualspeech.evaluation.metrics import Metric, quotient
+from visualspeech.evaluation.metrics import ABSOLUTE, Metric, quotient
 from visualspeech.face.lips import has_inner_lips, lip_opening
 from visualspeech.face.point_sets import to_points
 from visualspeech.speech.alignment import Alignment
@@ -233,7 +233,7 @@ def _closure(name: str) -> Metric:
         f"{PERCENTILE}th percentile of the recorded training occurrences",
         "high",
         (f"{name}_closed", f"{name}_occurrences"),
-        quotient,
+        protocol=ABSOLUTE,
     )
 
 
@@ -248,6 +248,7 @@ ARTICULATION: dict[str, Metric] = {
             "high",
             ("opening",),
             opening_correlation,
+            protocol=ABSOLUTE,
         ),
         Metric(
             "opening_sd",
@@ -256,6 +257,7 @@ ARTICULATION: dict[str, Metric] = {
             "one",
             ("opening",),
             opening_deviation,
+            protocol=ABSOLUTE,
         ),
         Metric(
             "opening_lag",
@@ -266,6 +268,7 @@ ARTICULATION: dict[str, Metric] = {
             ("lag",),
             opening_lag,
             unit="ms",
+            protocol=ABSOLUTE,
         ),
     )
 }

@@ -70,7 +70,7 @@ def articulation_tables(
         "Articulation",
         tuple(metric.heading for metric in ARTICULATION.values()),
         rows,
-        facts=(*facts, *_occurrences(first, known), ("intervals", bootstrap.text)),
+        facts=(*facts, *_occurrences(first, known), ("intervals", bootstrap.text(measured))),
         notes=(
             "The best value in each column is bold.",
             "From decoded points of the lips; means of utterances are not removed. "

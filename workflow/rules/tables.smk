@@ -28,7 +28,8 @@ rule measure_model:
         alignment=shards("<corpus>/alignment/{shard}.tsv"),
         closures="<system>/closures.tsv",
     output:
-        "<system>/models/{model}/statistics.tsv",
+        test="<system>/models/{model}/statistics.tsv",
+        validation="<system>/models/{model}/validation.tsv",
     log:
         "<system>/logs/measure_model/{model}.log",
     benchmark:
@@ -38,6 +39,7 @@ rule measure_model:
         mem_mb=1000,
         disk_mb=50,
     params:
+        drift=lambda wildcards: coding_of(wildcards)["drift"]["method"],
         code=code("measure_model.py"),
     script:
         "../scripts/measure_model.py"
@@ -133,7 +135,7 @@ rule tabulate_gains:
         utterances=of_coding("utterances.tsv"),
         coding=of_coding("model.safetensors"),
         statistics=statistics_of(names=of_gains),
-        curves=of_rows("learning_curve.tsv", lambda system: system["tables"]["gains"]["candidates"]),
+        validation=of_rows("validation.tsv", lambda system: system["tables"]["gains"]["candidates"]),
     output:
         multiext("<system>/tables/gains", *FORMS),
     log:

@@ -24,7 +24,8 @@ from visualspeech.evaluation.articulation import (
 )
 from visualspeech.evaluation.articulation_table import RECORDED, articulation_tables
 from visualspeech.evaluation.forms import all_forms
-from visualspeech.evaluation.metrics import corpus_figure, score_table, statistics_of, total
+from visualspeech.evaluation.metrics import corpus_figure, statistics_of, total
+from visualspeech.evaluation.scoring import score_table
 from visualspeech.face.point_sets import read_point_set, to_vector
 from visualspeech.speech.alignment import Alignment, Segment
 
