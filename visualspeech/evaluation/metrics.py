@@ -68,7 +68,7 @@ class Metric:
     name : in settings and in files of figures
     title : heading in tables
     definition : one sentence, with the number of the equation if the paper has one
-    best : best figures are ``low``, ``high``, or near ``one``
+    best : best figures are ``low``, ``high``, or near ``one`` or ``zero``
     columns : statistics that it needs, columns of the table of :func:`score_table`; a name without a column stands for
         the vector of the columns ``name.0``, ``name.1``, ...
     value : sums of these statistics over utterances (..., k) -> figure (...)
@@ -87,7 +87,7 @@ class Metric:
 
     def cost(self, figure):
         """A monotonic function of the figure of which lower values are better."""
-        return {"low": figure, "high": -figure, "one": abs(figure - 1)}[self.best]
+        return {"low": figure, "high": -figure, "one": abs(figure - 1), "zero": abs(figure)}[self.best]
 
     @property
     def is_error(self) -> bool:
@@ -97,12 +97,12 @@ class Metric:
     @property
     def is_additive(self) -> bool:
         """Whether the difference of two rows is a sum over utterances divided by a denominator that all rows share."""
-        return self.value is quotient and self.best != "one"
+        return self.value is quotient and self.best in ("low", "high")
 
     @property
     def heading(self) -> str:
         """Title with the unit and an arrow in the direction of better figures."""
-        arrow = {"low": "↓", "high": "↑", "one": "→\u00a01"}[self.best]
+        arrow = {"low": "↓", "high": "↑", "one": "→\u00a01", "zero": "→\u00a00"}[self.best]
         return f"{self.title}{f' [{self.unit}]' if self.unit else ''}\u00a0{arrow}"
 
 

@@ -63,6 +63,7 @@ def tables_of(system):
         "objective",
         *(["topologies"] if wanted["topologies"] else []),
         "comparisons",
+        "articulation",
         *(["gains"] if gains["candidates"] and gains["references"] else []),
         *(["ablation"] if wanted["ablation"]["rows"] else []),
     ]

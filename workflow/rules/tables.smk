@@ -1,10 +1,32 @@
 # The result tables of each system, and of all systems of a corpus.
+rule measure_closures:
+    input:
+        utterances=of_coding("utterances.tsv"),
+        coding=of_coding("model.safetensors"),
+        targets=shards("<system>/targets/{shard}.h5"),
+        alignment=shards("<corpus>/alignment/{shard}.tsv"),
+    output:
+        "<system>/closures.tsv",
+    log:
+        "<system>/logs/measure_closures.log",
+    threads: 1
+    resources:
+        mem_mb=500,
+        disk_mb=50,
+    params:
+        code=code("measure_closures.py"),
+    script:
+        "../scripts/measure_closures.py"
+
+
 rule measure_model:
     input:
         utterances=of_coding("utterances.tsv"),
         coding=of_coding("model.safetensors"),
         predictions="<system>/models/{model}/predictions.h5",
         targets=shards("<system>/targets/{shard}.h5"),
+        alignment=shards("<corpus>/alignment/{shard}.tsv"),
+        closures="<system>/closures.tsv",
     output:
         test="<system>/models/{model}/statistics.tsv",
         validation="<system>/models/{model}/validation.tsv",
@@ -42,6 +64,28 @@ rule tabulate_results:
         code=code("tabulate_results.py"),
     script:
         "../scripts/tabulate_results.py"
+
+
+rule tabulate_articulation:
+    input:
+        utterances=of_coding("utterances.tsv"),
+        coding=of_coding("model.safetensors"),
+        closures="<system>/closures.tsv",
+        statistics=statistics_of(),
+    output:
+        multiext("<system>/tables/articulation", *FORMS),
+    log:
+        "<system>/logs/tabulate_articulation.log",
+    params:
+        rows=carried(plain_rows()),
+        rows_digest=marked(plain_rows()),
+        facts=facts_of,
+        digits=lambda wildcards: system_of(wildcards)["tables"]["digits"],
+        bootstrap=lambda wildcards: system_of(wildcards)["tables"]["bootstrap"],
+        seed=SEED,
+        code=code("tabulate_articulation.py"),
+    script:
+        "../scripts/tabulate_articulation.py"
 
 
 rule tabulate_topologies:
