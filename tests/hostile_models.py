@@ -33,10 +33,10 @@ from visualspeech.face.aam.model import Aam
 from visualspeech.face.aam.reference import Reference, texture_image
 from visualspeech.face.head import HeadModel
 from visualspeech.features.blocks.base import Source
-from visualspeech.features.blocks.phone_track import PhoneTrack
+from visualspeech.features.blocks.phone_track import PhoneTrack, PhoneTrackSettings
 from visualspeech.features.blocks.triphone_state import TriphoneState
 from visualspeech.features.examples import Example
-from visualspeech.models import lookup, mean
+from visualspeech.models import ensemble, gv_compensation, lookup, mean, stack
 from visualspeech.models.hmm import family as hmm
 from visualspeech.models.registry import load_model
 from visualspeech.models.rows import ModelRow
@@ -48,7 +48,8 @@ from visualspeech.storage.arrays import ArrayReader
 from visualspeech.storage.models import read_model, write_model
 
 PHONES = ("sil", "aa", "b", "iy", "m", "s")
-FAMILIES = ("stack", "hmm", "lookup", "mean", "sound")  # the last: a stack that reads sound
+#: One of each family, a stack that reads sound, and a network of convolutions with dynamic outputs.
+MODELS = ("stack", "convolutions", "hmm", "lookup", "mean", "ensemble", "gv_compensation", "sound")
 WHOLE = 0.02  # share of the cases that load a whole folder and render it
 RENDERED = 0.2  # share of the loaded folders of which a frame is rendered, which takes longest
 SLOW = {"background": 0.3, "speaker": 0.3, "rest": 0.2}  # weights of parts whose cases take longest; others have 1
@@ -65,31 +66,41 @@ class Outcome(NamedTuple):
 
 
 def make(folder: Path) -> Path:
-    """Write a small speaker with a model of every family (``model_<family>.safetensors``); returns its folder."""
+    """Write a small speaker with a model of every family (``model_<name>.safetensors``); returns its folder."""
     made = speakers.make(Path(folder) / "speaker", PHONES)
     bundle, coding = SpeakerBundle.load(made), file_digest(made / FILES["aam"])
     shutil.copyfile(made / FILES["model"], made / "model_stack.safetensors")
     shutil.copyfile(made / FILES["sound"], made / "model_sound.safetensors")
     spread, random = np.sqrt(bundle.speaker.aam.appearance_variances), np.random.default_rng(0)
 
-    def task(family, settings, block, parent=None):
-        examples = []
+    def task(family, settings, *kinds, parents=(), options=None):
+        blocks, examples = {block.kind: block for block in kinds}, []
         for _ in range(6):
             alignment = spoken(random.permutation(PHONES[1:]))
-            stream = next(iter(block.encode([Source(25, 25.0, alignment)])))
+            streams = tuple(next(iter(block.encode([Source(25, 25.0, alignment)]))) for block in kinds)
             target = bundle.rest + 0.3 * spread * random.normal(size=(25, len(bundle.rest)))
-            examples.append(Example((stream,), target.astype(np.float32), 25.0))
-        row = ModelRow("model", "Model", family, settings, ("block",))
-        return Task(row, {"block": block}, examples, examples, coding, parent)
+            examples.append(Example(streams, target.astype(np.float32), 25.0))
+        row = ModelRow("model", "Model", family, settings, tuple(blocks), options or {})
+        return Task(row, blocks, examples, examples, coding, parents)
 
-    small = {"states": 2, "rate": 50.0, "min_frames": 2.0, "mdl_factor": 0.01, "untied_iterations": 1}
+    # HMMs with all that a file of them can hold: phones divided at the times of their states.
+    track = PhoneTrack(PHONES, PhoneTrackSettings("aligned"))
+    small = {"states": 3, "rate": 50.0, "min_frames": 2.0, "mdl_factor": 0.01, "untied_iterations": 1}
     hmm.fit(task("hmm", {**small, "variant": "monophone"}, PhoneTrack(PHONES))).model.save(made / "parent.safetensors")
-    tied = task("hmm", {**small, "variant": "tied"}, PhoneTrack(PHONES), made / "parent.safetensors")
+    tied = task("hmm", {**small, "variant": "tied"}, track, parents=[made / "parent.safetensors"])
     hmm.fit(tied).model.save(made / "model_hmm.safetensors")
     settings = {"context": "triphone", "min_count": 2}
     lookup.fit(task("lookup", settings, TriphoneState(PHONES))).model.save(made / "model_lookup.safetensors")
     mean.fit(task("mean", {}, TriphoneState(PHONES))).model.save(made / "model_mean.safetensors")
     (made / "parent.safetensors").unlink()
+    settings = {"letters": "FC", "nodes": 4, "trajectory": "mlpg"}
+    convolutions = task("stack", settings, TriphoneState(PHONES), options={"max_epochs": 2})
+    stack.fit(convolutions).model.save(made / "model_convolutions.safetensors")
+    members = [made / f"model_{name}.safetensors" for name in ("convolutions", "hmm", "lookup")]
+    blocks = TriphoneState(PHONES), PhoneTrack(PHONES)
+    ensemble.fit(task("ensemble", {}, *blocks, parents=members)).model.save(made / "model_ensemble.safetensors")
+    compensation = task("gv_compensation", {}, *blocks, parents=[made / "model_ensemble.safetensors"])
+    gv_compensation.fit(compensation).model.save(made / "model_gv_compensation.safetensors")
     return made
 
 
@@ -114,7 +125,7 @@ class _Stage:
         self.source, self.work = source, shutil.copytree(source, work)
         self.whole = SpeakerBundle.load(source)
         self.about = json.loads((source / DESCRIPTION).read_text())
-        self.models = {family: source / f"model_{family}.safetensors" for family in FAMILIES}
+        self.models = {name: source / f"model_{name}.safetensors" for name in MODELS}
         self.altered: set[str] = set()  # files in the folder that are not as they were
         self.sound = {name: (source / name).read_bytes() for name in (*FILES.values(), DESCRIPTION)}
         names = ("aam", "reference", "head", "rest")
@@ -171,7 +182,7 @@ class _Stage:
     def _use_part(self, part: str, path: Path, random: np.random.Generator) -> bool:
         """Load one altered part beside the sound others, check it with them, and use it."""
         whole, speaker = self.whole, self.whole.speaker
-        if part in FAMILIES:
+        if part in MODELS:
             trained = load_model(path)
             try:
                 check_together(trained, speaker, self.about["parts"]["aam"], PHONES)

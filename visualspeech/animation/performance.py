@@ -5,7 +5,7 @@ errors are found before the long rendering starts.
 """
 
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -19,7 +19,7 @@ from visualspeech.speech.alignment import Alignment
 from visualspeech.speech.phones import SILENCE
 from visualspeech.speech.sound import Sound
 from visualspeech.speech.spoken import Spoken
-from visualspeech.speech.substitutes import substitutes
+from visualspeech.speech.substitutes import in_phones
 from visualspeech.timing import frame_times
 
 MARGIN = 1.0  # seconds of a recording before and after a piece of it that a model which reads sound alone hears too
@@ -85,7 +85,7 @@ def perform(spoken: Iterable[Spoken], model: Model, rest: np.ndarray, ramp: floa
                 f"one sentence has a sample rate of {one.rate} Hz, another of {audio_rate} Hz; give one rate."
             )
         audio_rate = one.rate
-        alignment, replaced = in_phones_of(one.alignment, phones_of(model))
+        alignment, replaced = in_phones(one.alignment, phones_of(model))
         if set(replaced) - reported:
             reported |= set(replaced)
             log.info(
@@ -102,21 +102,6 @@ def perform(spoken: Iterable[Spoken], model: Model, rest: np.ndarray, ramp: floa
     if not texts:
         raise DataError("there is nothing to say.")
     return Performance(" ".join(filter(None, texts)), samples, audio_rate, faces, float(model.rate))
-
-
-def in_phones_of(alignment: Alignment, phones) -> tuple[Alignment, dict[str, str]]:
-    """An alignment with only phones of a model, and the substitute of each phone that the model does not have.
-
-    Raises
-    ------
-    SettingError
-        The phones of the model are of another phone set.
-    """
-    replaced = substitutes((one.label for one in alignment.phones), phones) if phones else {}
-    if not replaced:
-        return alignment, {}
-    renamed = tuple(replace(one, label=replaced.get(one.label, one.label)) for one in alignment.phones)
-    return replace(alignment, phones=renamed), replaced
 
 
 def _sound(one: Spoken, model: Model) -> Sound | None:

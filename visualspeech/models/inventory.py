@@ -3,13 +3,14 @@
 import numpy as np
 
 from visualspeech.features.blocks.base import Source, needs_of
+from visualspeech.features.blocks.base import phones_of as inventory_of
 from visualspeech.models.task import Model
 from visualspeech.speech.alignment import Alignment
 
 
 def phones_of(model: Model) -> tuple[str, ...]:
     """Inventory of the input blocks of a model; empty where no block reads phones."""
-    return next((tuple(block.phones) for block in model.blocks.values() if hasattr(block, "phones")), ())
+    return next(filter(None, map(inventory_of, model.blocks.values())), ())
 
 
 def needs_of_model(model: Model) -> frozenset[str]:

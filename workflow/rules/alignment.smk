@@ -48,7 +48,8 @@ rule export_alignment:
 
 rule list_phones:
     input:
-        shards("<corpus>/alignment/{shard}.tsv"),
+        split="<corpus>/corpus/split.tsv",
+        alignment=shards("<corpus>/alignment/{shard}.tsv"),
     output:
         "<corpus>/phones.tsv",
     log:

@@ -18,6 +18,7 @@ from visualspeech.errors import DamagedFile, SettingError, StorageError
 from visualspeech.features.streams import Layout, Stream
 from visualspeech.speech.alignment import Alignment, read_alignments
 from visualspeech.speech.sound import Sound, StoredSamples
+from visualspeech.speech.substitutes import in_phones
 from visualspeech.storage.layouts import TEXT, FileLayout, check_plain
 from visualspeech.storage.models import read_model_of, write_model
 
@@ -147,8 +148,18 @@ _BLOCK = {
 }
 
 
+def phones_of(block: Block) -> tuple[str, ...]:
+    """The inventory of a fitted block; empty where it reads no phones."""
+    return tuple(getattr(block, "phones", ()))
+
+
 def read_sources(
-    alignment: str | Path | None, targets, ids: Collection[str], complete: bool = False, audio=None
+    alignment: str | Path | None,
+    targets,
+    ids: Collection[str],
+    phones: Sequence[str] = (),
+    complete: bool = False,
+    audio=None,
 ) -> dict[str, Source]:
     """What blocks are computed from, of the utterances of one shard, by id.
 
@@ -158,6 +169,8 @@ def read_sources(
     targets : open reader or collection, which gives length and rate of each utterance
     ids : the utterances that are wanted; those without targets, or without the alignment or sound that is needed, are
         left out
+    phones : inventory; a phone that it lacks, because no training utterance has it, is replaced by the most similar one
+        (:mod:`visualspeech.speech.substitutes`); empty: none is replaced
     complete : whether there must be an alignment of all of them; raises :class:`StorageError` where one is missing
     audio : open reader or collection of the sound, which is read when a block asks for it; None where it is not needed
     """
@@ -170,7 +183,7 @@ def read_sources(
             found[name] = Source(
                 targets.length(name, "appearance"),
                 targets.rate(name),
-                None if alignments is None else alignments[name],
+                None if alignments is None else in_phones(alignments[name], phones)[0],
                 None if audio is None else Sound(StoredSamples(audio, name), audio.rate(name)),
             )
     return found
