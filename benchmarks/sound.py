@@ -11,7 +11,9 @@ centred trajectories: prediction and truth of each utterance less their own mean
 3. for the test utterances and for the synthetic voice reading their sentences: how far the trajectories of SOUND are
    from those of LABELS, which reads the true phones and times; how well the openings of the mouth agree; and the share
    of p, b and m in which the lips close, that is, in which the least opening is below the 90th percentile of the
-   recorded speaker's (:mod:`visualspeech.evaluation.articulation`); the same of f and v.
+   recorded speaker's (:mod:`visualspeech.evaluation.articulation`); the same of f and v;
+4. for the test utterances: how well pauses by the level (:mod:`visualspeech.speech.segmentation`) agree with those of
+   the forced alignment.
 """
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -29,6 +31,8 @@ from visualspeech.face.point_sets import to_points
 from visualspeech.features.blocks.base import Source
 from visualspeech.models.inventory import needs_of_model, phones_of, predict_source
 from visualspeech.models.task import Model
+from visualspeech.speech.alignment import silent_frames
+from visualspeech.speech.segmentation import segmented
 from visualspeech.speech.sound import RATE, Sound, to_int16
 from visualspeech.speech.spoken import speak_text, state_shares
 from visualspeech.speech.substitutes import in_phones
@@ -52,6 +56,7 @@ def main(results: Path, system: str, labels: str, sound: str, *models: str) -> N
                     changed = [(_changed(source, change), true) for source, true in found]
                     print(f"test, {name}, {condition}: {_figures(model, changed)}", flush=True)
         _compare(run, coding_of(run, labels), trained[labels], trained[sound], targets, audio)
+        print(_pauses([source for source, _ in found]))
 
 
 def _sources(run: SystemRun, split: str, targets, audio) -> list[tuple[Source, np.ndarray]]:
@@ -148,6 +153,21 @@ def _compare(run: SystemRun, coding, labels: Model, sound: Model, targets, audio
         )
         for name, openings in (("labels", read), ("sound", heard)):
             print(f"{title}, {name}: {_closed(sources, openings, closures)}", flush=True)
+
+
+def _pauses(sources: Sequence[Source]) -> str:
+    """Agreement of pauses by the level with those of the alignment, at 100 Hz."""
+    both = []
+    for one in sources:
+        samples = one.sound.samples
+        frames = len(samples) * 100 // RATE
+        both.append([silent_frames(found, frames, 100.0) for found in (segmented(samples), one.alignment)])
+    level, aligned = (np.concatenate(part) for part in zip(*both, strict=True))
+    return (
+        f"pauses by level: {np.mean(level == aligned):.3f} of the frames as in the alignment, "
+        f"{np.mean(level[~aligned]):.3f} of the speech called a pause, {np.mean(~level[aligned]):.3f} of the pauses "
+        "called speech"
+    )
 
 
 def _tracked(coding, targets, name: str) -> np.ndarray:
