@@ -9,7 +9,6 @@ from visualspeech.evaluation.published_results import published_names
 from visualspeech.features.blocks.base import block_class, block_kinds
 from visualspeech.fields import section_schema, with_defaults
 from visualspeech.models.entries import model_mistakes
-from visualspeech.models.families import FAMILIES
 from visualspeech.models.registry import expand
 from visualspeech.models.rows import ModelRow
 from visualspeech.schema import check, mistakes, unknown
@@ -270,12 +269,6 @@ def _naming_mistakes(system: Mapping, rows: Sequence[ModelRow], where: str) -> l
             for number, name in enumerate(names)
             if name not in known
         ]
-    found += [
-        f"`{where}.tables.gains.candidates.{number}: {name}` must name networks: the best one has the lowest "
-        "validation error of a learning curve, which other models do not have."
-        for number, name in enumerate(tables["gains"]["candidates"])
-        if any(name in (row.group, row.name) and not FAMILIES[row.family].trained for row in rows)
-    ]
     shown = system["videos"]["model"]
     if shown and shown not in trained:
         found.append(unknown(f"{where}.videos.model", shown, trained, "model of the system"))
