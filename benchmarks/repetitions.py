@@ -20,7 +20,7 @@ import numpy as np
 
 from benchmarks.command import run_main
 from benchmarks.runs import CorpusRun, SystemRun
-from visualspeech.evaluation.metrics import frame_rmse
+from visualspeech.evaluation.scoring import frame_rmse
 from visualspeech.features.resampling import at_times
 from visualspeech.speech.alignment import Alignment, silent_frames
 from visualspeech.speech.phones import SILENCE

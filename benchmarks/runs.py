@@ -13,7 +13,7 @@ import numpy as np
 from visualspeech.corpora.records import Utterance, legal_id
 from visualspeech.corpora.table import of_split, read_utterances
 from visualspeech.errors import DataError, StorageError
-from visualspeech.evaluation.metrics import frame_correlation, frame_rmse
+from visualspeech.evaluation.scoring import frame_correlation, frame_rmse
 from visualspeech.face.head import HeadModel
 from visualspeech.features.blocks.base import Block
 from visualspeech.features.examples import Example, Examples, opened_blocks

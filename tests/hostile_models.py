@@ -33,7 +33,7 @@ from visualspeech.face.aam.model import Aam
 from visualspeech.face.aam.reference import Reference, texture_image
 from visualspeech.face.head import HeadModel
 from visualspeech.features.blocks.base import Source
-from visualspeech.features.blocks.phone_track import PhoneTrack
+from visualspeech.features.blocks.phone_track import PhoneTrack, PhoneTrackSettings
 from visualspeech.features.blocks.triphone_state import TriphoneState
 from visualspeech.features.examples import Example
 from visualspeech.models import ensemble, gv_compensation, lookup, mean, stack
@@ -42,13 +42,14 @@ from visualspeech.models.registry import load_model
 from visualspeech.models.rows import ModelRow
 from visualspeech.models.task import Task
 from visualspeech.provenance import file_digest
+from visualspeech.speech.sound import RATE, Sound
 from visualspeech.speech.spoken import timed
 from visualspeech.storage.arrays import ArrayReader
 from visualspeech.storage.models import read_model, write_model
 
 PHONES = ("sil", "aa", "b", "iy", "m", "s")
-#: One of each family, and a network of convolutions whose outputs are static, delta and delta-delta parameters.
-MODELS = ("stack", "convolutions", "hmm", "lookup", "mean", "ensemble", "gv_compensation")
+#: One of each family, a stack that reads sound, and a network of convolutions with dynamic outputs.
+MODELS = ("stack", "convolutions", "hmm", "lookup", "mean", "ensemble", "gv_compensation", "sound")
 WHOLE = 0.02  # share of the cases that load a whole folder and render it
 RENDERED = 0.2  # share of the loaded folders of which a frame is rendered, which takes longest
 SLOW = {"background": 0.3, "speaker": 0.3, "rest": 0.2}  # weights of parts whose cases take longest; others have 1
@@ -69,6 +70,7 @@ def make(folder: Path) -> Path:
     made = speakers.make(Path(folder) / "speaker", PHONES)
     bundle, coding = SpeakerBundle.load(made), file_digest(made / FILES["aam"])
     shutil.copyfile(made / FILES["model"], made / "model_stack.safetensors")
+    shutil.copyfile(made / FILES["sound"], made / "model_sound.safetensors")
     spread, random = np.sqrt(bundle.speaker.aam.appearance_variances), np.random.default_rng(0)
 
     def task(family, settings, *kinds, parents=(), options=None):
@@ -81,9 +83,11 @@ def make(folder: Path) -> Path:
         row = ModelRow("model", "Model", family, settings, tuple(blocks), options or {})
         return Task(row, blocks, examples, examples, coding, parents)
 
-    small = {"states": 2, "rate": 50.0, "min_frames": 2.0, "mdl_factor": 0.01, "untied_iterations": 1}
+    # HMMs with all that a file of them can hold: phones divided at the times of their states.
+    track = PhoneTrack(PHONES, PhoneTrackSettings("aligned"))
+    small = {"states": 3, "rate": 50.0, "min_frames": 2.0, "mdl_factor": 0.01, "untied_iterations": 1}
     hmm.fit(task("hmm", {**small, "variant": "monophone"}, PhoneTrack(PHONES))).model.save(made / "parent.safetensors")
-    tied = task("hmm", {**small, "variant": "tied"}, PhoneTrack(PHONES), parents=[made / "parent.safetensors"])
+    tied = task("hmm", {**small, "variant": "tied"}, track, parents=[made / "parent.safetensors"])
     hmm.fit(tied).model.save(made / "model_hmm.safetensors")
     settings = {"context": "triphone", "min_count": 2}
     lookup.fit(task("lookup", settings, TriphoneState(PHONES))).model.save(made / "model_lookup.safetensors")
@@ -135,7 +139,7 @@ class _Stage:
         weights = np.array([SLOW.get(name, 1.0) for name in parts])
         part = str(random.choice(parts, p=weights / weights.sum()))
         file = {"background": FILES["background"], "speaker": DESCRIPTION}.get(part)
-        path = self.work / (file or FILES.get(part, FILES["model"]))
+        path = self.work / (file or FILES.get(part, FILES["model"]))  # `sound` is a part of the folder, too
         whole = part in ("speaker", "rest") or random.random() < WHOLE
         for name in self.altered if whole else ():
             (self.work / name).write_bytes(self.sound[name])
@@ -218,11 +222,12 @@ class _Stage:
         bundle = SpeakerBundle.load(self.work)
         if random.random() < RENDERED and next(speaking_frames(bundle.rest[None], bundle)).dtype != np.uint8:
             return False
-        return _speaks(bundle.trained, bundle.rest)
+        return _speaks(bundle.trained, bundle.rest) and (bundle.sound is None or _speaks(bundle.sound, bundle.rest))
 
 
 def _speaks(model, rest: np.ndarray) -> bool:
-    predicted = face_of(spoken(PHONES[1:]), 12, model, rest, 0.1)
+    samples = np.random.default_rng(1).normal(0, 3000, RATE).astype(np.int16)
+    predicted = face_of(spoken(PHONES[1:]), 12, model, rest, 0.1, Sound(samples), 0.1)
     return bool(np.isfinite(predicted).all())
 
 

@@ -6,9 +6,11 @@ import sys
 from importlib import import_module
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from tests.paths import REPOSITORY
+from visualspeech.evaluation.articulation import Closure
 
 FOLDER = REPOSITORY / "benchmarks"
 #: Runs in an environment of its own, without this project.
@@ -64,6 +66,31 @@ def test_arguments_are_converted_to_the_types_of_the_parameters(monkeypatch, cap
     monkeypatch.setattr(sys, "argv", ["benchmark", "--help"])
     command.run_main(main, "What it measures.")
     assert capsys.readouterr().out == "What it measures.\n"
+
+
+def test_the_sentences_of_free_text_are_many_and_ask_for_closures():
+    lines = (FOLDER / "free_text.txt").read_text().splitlines()
+    assert len(lines) == len(set(lines)) == 200
+    assert all(set("pbmfv") & set(line.lower()) for line in lines)
+
+
+def test_occurrences_of_free_text_are_told_apart_by_context():
+    articulation = import_module("benchmarks.articulation")
+    from visualspeech.speech.alignment import Alignment, Segment
+
+    labels = ("ah", "b", "ah", "f", "sil")
+    phones = tuple(Segment(label, 0.2 * k, 0.2 * (k + 1), 0) for k, label in enumerate(labels))
+    alignment = Alignment((Segment("word", 0.0, 1.0),), phones, ())
+    opening = np.full(25, 9.0)
+    opening[7] = 1.0  # 0.3 s, in the "b"
+    closures = (Closure("bilabial", 2.0, 9), Closure("labiodental", 3.0, 9))
+    assert articulation.closed([(opening, alignment, 25.0)], closures) == [
+        ("bilabial", "b", ("ah", "b", "ah"), True),
+        ("labiodental", "f", ("ah", "f", "sil"), False),
+    ]
+    assert articulation.triphones_of(alignment)[0] == ("sil", "ah", "b")
+    assert articulation.in_speech([(np.arange(25.0), alignment, 25.0)]).tolist() == list(range(20))
+    assert articulation.rates([("b", True), ("a", False), ("b", False)]) == "a 0.000 (1), b 0.500 (2)"
 
 
 FACTS = {"split": "abc", "rate": "25 Hz", "visual coding": "aam51 (2 shape, 3 texture, 4 appearance)", "seeds": "1"}

@@ -16,6 +16,8 @@ TRAIN = REPOSITORY / "workflow" / "scripts" / "train_model.py"
 ROWS = {
     "stack": ("stack", ["triphone_state"]),
     "rich": ("stack", ["triphone_state", "label_parts"]),
+    "classes": ("stack", ["phone_classes"]),
+    "heard": ("stack", ["log_mel"]),
     "hmm": ("hmm", ["phone_track"]),
     "lookup": ("lookup", ["triphone_state"]),
     "mean": ("mean", []),
@@ -25,7 +27,7 @@ ROWS = {
 #: Rows that a row is made of; their code is part of its own.
 PARENTS = {"ensemble": ("stack", "hmm"), "gv": ("stack",)}
 #: Rows of networks, and those that are made of some.
-NETWORKS = {"stack", "rich", "ensemble", "gv"}
+NETWORKS = {"stack", "rich", "classes", "heard", "ensemble", "gv"}
 
 
 @pytest.fixture
@@ -104,6 +106,11 @@ def test_the_copy_has_the_digests_of_the_original(package, monkeypatch):
         ("features/blocks/triphone_state.py", NETWORKS | {"lookup"}),
         ("features/blocks/label_parts.py", {"rich"}),
         ("features/blocks/phone_track.py", {"hmm", "ensemble"}),
+        ("features/blocks/phone_classes.py", {"classes"}),
+        ("speech/phone_classes.py", {"hmm", "classes", "ensemble"}),
+        ("features/blocks/log_mel.py", {"heard"}),
+        ("speech/acoustics.py", {"heard"}),
+        ("speech/segmentation.py", set()),
         ("planning/run.py", set()),
         ("planning/systems.py", set()),
         ("schema.py", set()),

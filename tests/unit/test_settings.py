@@ -275,6 +275,10 @@ def test_a_corpus_file_may_be_an_overlay(tmp_path):
     assert list(resolve(overlaid({"corpora": [str(tmp_path / "mine.yaml")]}), CONFIG)["corpora"]) == ["inner"]
 
 
+#: The networks that read sound are left out.
+QUIET = {"sound": None, "text_and_sound": None, "nets_thirds": None}
+
+
 def rows(system="fan2015", **changes):
     settings = resolve(overlaid({"override": {"systems": {"fan2015": {"videos": {"model": ""}, **changes}}}}), CONFIG)
     return settings["systems"][system]["rows"]
@@ -282,13 +286,15 @@ def rows(system="fan2015", **changes):
 
 def test_further_seeds_and_other_inputs_have_names_of_their_own():
     nets = {"letters": ["FBB", "F"], "nodes": [128]}
-    names = [row["name"] for row in rows(models={"nets": nets}, seeds=[1, 5]) if row["family"] == "stack"]
+    names = [row["name"] for row in rows(models={**QUIET, "nets": nets}, seeds=[1, 5]) if row["family"] == "stack"]
     assert names == ["FBB-128", "F-128", "FBB-128-s5", "F-128-s5"]
     richer = {"like": "nets", "letters": ["FBB"], "reads": ["tri", "parts"], "suffix": "rich"}
-    found = [row for row in rows(models={"nets": nets, "richer": richer}, seeds=[3]) if row["family"] == "stack"]
+    given = {**QUIET, "nets": nets, "richer": richer}
+    found = [row for row in rows(models=given, seeds=[3]) if row["family"] == "stack"]
     assert [row["name"] for row in found] == ["FBB-128", "F-128", "FBB-128-rich"]
     assert found[2]["reads"] == ["tri", "parts"] and {row["seed"] for row in found} == {3}
-    own = [row["name"] for row in rows(models={"nets": {**nets, "seeds": [7, 8]}}) if row["family"] == "stack"]
+    given = {**QUIET, "nets": {**nets, "seeds": [7, 8]}}
+    own = [row["name"] for row in rows(models=given) if row["family"] == "stack"]
     assert own == ["FBB-128", "F-128", "FBB-128-s8", "F-128-s8"]
 
 
@@ -305,7 +311,7 @@ def test_an_entry_may_change_its_training_and_inherit_a_change():
 
 def test_an_inherited_entry_that_is_left_out_asks_for_nothing():
     settings = resolve(overlaid({"override": {"systems": {"fan2015": {
-        "models": {"nets": None}, "videos": {"model": ""}}}}}), CONFIG)["systems"]["fan2015"]  # fmt: skip
+        "models": {**QUIET, "nets": None}, "videos": {"model": ""}}}}}), CONFIG)["systems"]["fan2015"]  # fmt: skip
     assert settings["tables"]["topologies"] == [] and settings["tables"]["gains"]["candidates"] == []
     assert settings["videos"]["model"] == "hmm_monophone"
 

@@ -21,6 +21,7 @@ SECOND = {
     "rate": 50,
     "models": {
         "nets": {"letters": ["F"], "nodes": [8]},
+        "nets_thirds": None,
         "convolutions": {"like": "nets", "letters": ["CF"], "trajectory": "mlpg", "suffix": "mlpg"},
         "mix": {"family": "ensemble", "members": ["nets", "convolutions", "hmm_monophone"]},
         "articulated": {"family": "gv_compensation", "from": "mix"},

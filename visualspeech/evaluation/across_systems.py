@@ -9,7 +9,7 @@ from visualspeech.errors import DataError
 from visualspeech.evaluation.facts import TableFacts
 from visualspeech.evaluation.layout import Cell, Row, Table, best_of, definitions_of, interval, shown
 from visualspeech.evaluation.measured import MeasuredRows, check_same_utterances
-from visualspeech.evaluation.metrics import METRICS, Metric, is_measured
+from visualspeech.evaluation.metrics import ABSOLUTE, METRICS, PROTOCOLS, Metric, is_measured
 from visualspeech.evaluation.statistics import (
     NO_FIGURE,
     BootstrapSettings,
@@ -18,11 +18,18 @@ from visualspeech.evaluation.statistics import (
     figure,
     relative_figure,
     sample,
+    sample_row,
 )
 
 #: Measures, and whether they are shown as figures or as ratios to the training mean of the row's own system. Errors of
 #: parameters are in units of the system's coding, so only their ratios can be compared.
-COLUMNS = (("lip_distance_px", "value"), ("rmse_appearance", "ratio"), ("corr", "value"), ("gv_ratio", "value"))
+COLUMNS = (
+    ("lip_distance_px", "value"),
+    ("lip_distance_px_absolute", "value"),
+    ("rmse_appearance", "ratio"),
+    ("corr", "value"),
+    ("gv_ratio", "value"),
+)
 FRAME_COLUMNS = ("system", "row", "metric", "part", "value", "low", "high")
 
 
@@ -60,9 +67,9 @@ def systems_frame(systems: Sequence[SystemRows], bootstrap: BootstrapSettings):
     for system in systems:
         measured = system.measured.pooled()
         base, drawn = measured.tables[measured.base.name], draws(measured.utterances, bootstrap)
-        for row, table in measured.tables.items():
+        for row in measured.tables:
             for name, part in COLUMNS:
-                found = _figure(table, base if part == "ratio" else None, METRICS[name], drawn, bootstrap)
+                found = _figure(measured, row, base if part == "ratio" else None, METRICS[name], drawn, bootstrap)
                 lines.append((system.facts.system, row, name, part, found.value, found.low, found.high))
     return pandas.DataFrame(lines, columns=list(FRAME_COLUMNS))
 
@@ -75,10 +82,12 @@ def _check(systems: Sequence[SystemRows]) -> None:
     check_same_utterances(tables, frames=False)
 
 
-def _figure(table, base, metric: Metric, drawn: np.ndarray, bootstrap: BootstrapSettings) -> Figure:
-    if not is_measured(table, metric):
+def _figure(
+    measured: MeasuredRows, row: str, base, metric: Metric, drawn: np.ndarray, bootstrap: BootstrapSettings
+) -> Figure:
+    if not is_measured(measured.tables[row], metric):
         return NO_FIGURE
-    own = sample(table, metric, drawn)
+    own = sample_row(measured, row, metric, drawn, bootstrap)
     if base is None:
         return figure(own, bootstrap.level)
     return relative_figure(own, sample(base, metric, drawn), bootstrap.level)
@@ -113,12 +122,15 @@ def systems_tables(
         ("split", first.split_hash),
         ("systems", ", ".join(system.title for system in systems)),
         ("test utterances", str(systems[0].measured.utterances)),
-        ("intervals", bootstrap.text),
+        ("protocol", "; ".join(PROTOCOLS.values())),
+        ("intervals", bootstrap.text(measured[0][1])),
         ("visualspeech", first.version),
     )
     metrics = [METRICS[name] for name, _ in COLUMNS]
-    headings = (f"{metric.title} / training mean ↓" if part == "ratio" else metric.heading for metric, (_, part) in
-                zip(metrics, COLUMNS, strict=True))  # fmt: skip
+    headings = (
+        f"{metric.title} / training mean ↓" if part == "ratio" else _with_protocol(metric)
+        for metric, (_, part) in zip(metrics, COLUMNS, strict=True)
+    )
     notes = (
         "The best value in each column is bold; floors are left out.",
         "The truth of each system is the recorded face at its own frame rate and in its own visual coding.",
@@ -127,6 +139,11 @@ def systems_tables(
         notes += (f"Left out, because a visual coding rejected them: {', '.join(sorted(lost))}.",)
     title = "Systems on one corpus"
     return (Table(title, tuple(headings), tuple(rows), facts=facts, notes=notes, definitions=definitions_of(metrics)),)
+
+
+def _with_protocol(metric: Metric) -> str:
+    title = f"{metric.title}, absolute" if metric.protocol == ABSOLUTE else metric.title
+    return metric.heading.replace(metric.title, title)
 
 
 def _best(text, measured) -> set[tuple[str, str, str]]:

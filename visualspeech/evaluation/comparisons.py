@@ -1,19 +1,22 @@
 """Significance of differences between rows: paired tests over test utterances with Holm's correction.
 
-All pairs of rows are tested, not only pairs with the best row: the best row is chosen on the same utterances, and
-Holm's correction does not hold for a family of tests that is chosen after looking at the data.
+A row is better than another one only where the figure of the corpus and the test agree in direction: the test is of the
+utterances, and the rank of a few of them can differ from their sum. All pairs of rows are tested, not only pairs with
+the best row: the best row is chosen on the same utterances, and Holm's correction does not hold for a family of tests
+that is chosen after looking at the data.
 """
 
 from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import combinations
+from typing import NamedTuple
 
 import numpy as np
 
 from visualspeech.evaluation.layout import Cell, Row, Table, interval
 from visualspeech.evaluation.measured import MeasuredRows
-from visualspeech.evaluation.metrics import METRICS, Metric, metric_named, statistics_of
-from visualspeech.evaluation.statistics import BootstrapSettings, Sampled, draws, figure, sample
+from visualspeech.evaluation.metrics import METRICS, Metric, statistics_of
+from visualspeech.evaluation.statistics import BootstrapSettings, Sampled, draws, figure, sample_row
 from visualspeech.fields import MAX_SEED, Settings, setting
 
 TESTS = ("wilcoxon", "permutation")
@@ -26,9 +29,10 @@ class ComparisonSettings(Settings):
     """Paired tests over utterances between all pairs of rows, Holm-corrected.
 
     ``wilcoxon`` is the signed-rank test of the utterances' differences (Wilcoxon 1945). ``permutation`` tests the
-    difference of the two corpus figures by random changes of the signs of the utterances' differences, or by all
-    changes if there are at most ``permutations`` of them. The family of the correction is all pairs of one measure
-    (Holm 1979).
+    difference of the two corpus figures: each utterance is exchanged between the two rows or not, at random, or in all
+    ways if there are at most ``permutations`` of them. Measures that are no sums over utterances (global-variance
+    ratio, CCC) are always tested by permutation, because their figure in one utterance says little. The family of the
+    correction is all pairs of one measure (Holm 1979).
     """
 
     section = "tables.comparison"
@@ -56,35 +60,72 @@ def holm(p: np.ndarray) -> np.ndarray:
     return corrected
 
 
-def signed_rank(differences: np.ndarray) -> float:
-    """P value of Wilcoxon's signed-rank test, two-sided, of paired differences (n,); 1 where all of them are 0."""
-    from scipy.stats import wilcoxon
+class Tested(NamedTuple):
+    """A two-sided paired test.
+
+    Parameters
+    ----------
+    p : value
+    direction : -1 where the first row has the lower costs by this test, 1 where it has the higher ones, else 0
+    """
+
+    p: float
+    direction: int
+
+
+def signed_rank(differences: np.ndarray) -> Tested:
+    """Wilcoxon's signed-rank test of paired differences (n,); p is 1 where all of them are 0."""
+    from scipy.stats import rankdata, wilcoxon
 
     differences = differences[np.isfinite(differences)]
     if not np.any(differences):
-        return 1.0
+        return Tested(1.0, 0)
     # Rounded, so that equal differences are ties; otherwise rounding errors would rank them.
     differences = np.round(differences / np.abs(differences).max(), 10)
-    return float(wilcoxon(differences, zero_method="pratt").pvalue)
+    ranks = np.sum(np.sign(differences) * rankdata(np.abs(differences)))
+    return Tested(float(wilcoxon(differences, zero_method="pratt").pvalue), int(np.sign(ranks)))
 
 
-def sign_permutation(differences: np.ndarray, settings: ComparisonSettings) -> float:
-    """P value, two-sided, of the sum of paired differences (n,) under changes of their signs."""
+def exchange_test(metric: Metric, first: np.ndarray, second: np.ndarray, settings: ComparisonSettings) -> Tested:
+    """Permutation test of the difference of two corpus figures, under exchanges of utterances between the rows.
+
+    Parameters
+    ----------
+    first, second : statistics of the utterances of two rows, (utterances, k) each
+    """
     from scipy.stats import permutation_test
 
-    differences = differences[np.isfinite(differences)]
-    if not np.any(differences):
-        return 1.0
-    return float(
-        permutation_test(
-            (differences,),
-            lambda values, axis: np.sum(values, axis=axis),
-            permutation_type="samples",
-            vectorized=True,
-            n_resamples=settings.permutations,
-            rng=np.random.default_rng(settings.seed),
-        ).pvalue
+    both, count = np.concatenate([first, second]), len(first)
+
+    def difference(one: np.ndarray, other: np.ndarray, axis: int) -> np.ndarray:
+        # Columns one by one, because samples x utterances x k numbers would not fit into memory.
+        figures = (
+            metric.cost(metric.value(np.stack([column[rows].sum(axis=axis) for column in both.T], axis=-1)))
+            for rows in (one.astype(int), other.astype(int))
+        )
+        return next(figures) - next(figures)
+
+    rows = np.arange(count), np.arange(count, 2 * count)
+    observed = float(difference(*rows, axis=0))
+    if not np.isfinite(observed) or np.array_equal(first, second):
+        return Tested(1.0, 0)
+    found = permutation_test(
+        rows,
+        difference,
+        permutation_type="samples",
+        vectorized=True,
+        batch=max(1, 1_000_000 // count),
+        n_resamples=settings.permutations,
+        rng=np.random.default_rng(settings.seed),
     )
+    return Tested(float(found.pvalue), int(np.sign(observed)))
+
+
+def paired_test(metric: Metric, first: np.ndarray, second: np.ndarray, settings: ComparisonSettings) -> Tested:
+    """The test of two rows, each given by :func:`visualspeech.evaluation.metrics.statistics_of`."""
+    if settings.test == "permutation" or not metric.is_additive:
+        return exchange_test(metric, first, second, settings)
+    return signed_rank(metric.cost(metric.value(first)) - metric.cost(metric.value(second)))
 
 
 def compare(
@@ -106,8 +147,8 @@ def compare(
     -------
     DataFrame
         :data:`COLUMNS`. ``first`` is the row with the better corpus figure; ``difference`` is first minus second with
-        its paired bootstrap interval; ``better`` names the first row where the corrected p value is below the level,
-        and is empty elsewhere
+        its paired bootstrap interval; ``better`` names the first row where the corrected p value is below the level
+        and the test finds the first row better too, and is empty elsewhere
 
     Raises
     ------
@@ -121,30 +162,22 @@ def compare(
     drawn = draws(measured.utterances, bootstrap)
     tables = {row.name: measured.tables[row.name] for row in measured.rows if row.role != "floor"}
     lines = []
-    for metric in map(metric_named, metrics):
+    for metric in measured.metrics(metrics):
         statistics = {row: statistics_of(table, metric) for row, table in tables.items()}
-        sampled = {row: sample(table, metric, drawn) for row, table in tables.items()}
+        sampled = {row: sample_row(measured, row, metric, drawn, bootstrap) for row in tables}
         costs = {row: metric.cost(of_row.value) for row, of_row in sampled.items()}
         pairs = list(combinations(sorted(tables, key=costs.get), 2))
-        p = np.array([paired_p(metric, statistics[first], statistics[second], settings) for first, second in pairs])
-        for (first, second), own, corrected in zip(pairs, p, holm(p), strict=True):
+        tested = [paired_test(metric, statistics[first], statistics[second], settings) for first, second in pairs]
+        p = np.array([one.p for one in tested])
+        for (first, second), (own, direction), corrected in zip(pairs, tested, holm(p), strict=True):
             one, other = sampled[first], sampled[second]
             between = figure(Sampled(one.value - other.value, one.samples - other.samples), bootstrap.level)
-            real = corrected < settings.level
+            real = corrected < settings.level and direction < 0
             lines.append(
                 (metric.name, first, second, one.value, other.value, between.value, between.low, between.high, own,
                  corrected, first if real else "")
             )  # fmt: skip
     return pandas.DataFrame(lines, columns=list(COLUMNS))
-
-
-def paired_p(metric: Metric, first: np.ndarray, second: np.ndarray, settings: ComparisonSettings) -> float:
-    """P value of the difference of two rows, each given by :func:`visualspeech.evaluation.metrics.statistics_of`."""
-    if settings.test == "permutation" and metric.is_additive:
-        # Both figures have the same denominator, so the sum of these differences is proportional to their difference.
-        return sign_permutation(first[:, 0] - second[:, 0], settings)
-    differences = metric.cost(metric.value(first)) - metric.cost(metric.value(second))
-    return signed_rank(differences) if settings.test == "wilcoxon" else sign_permutation(differences, settings)
 
 
 def comparison_tables(
@@ -172,7 +205,7 @@ def comparison_tables(
             rows.append(Row(of_name[row].title, cells, of_name[row].role))
         tables.append(
             Table(
-                title=f"{METRICS[name].title}: paired comparisons",
+                title=f"{METRICS[name].title}, {METRICS[name].protocol}: paired comparisons",
                 columns=(METRICS[name].heading, "best minus row", "p", "better than", "worse than"),
                 rows=tuple(rows),
                 facts=() if tables else tuple(facts),
@@ -191,11 +224,14 @@ def _to_best(line, digits: int) -> tuple[Cell, Cell]:
 
 
 def _notes(pairs: int, utterances: int, settings: ComparisonSettings) -> tuple[str, ...]:
-    test = "Wilcoxon's signed-rank test" if settings.test == "wilcoxon" else "a permutation test"
+    exchange = "a permutation test of the corpus figures, in which utterances are exchanged between the rows"
+    test = f"Wilcoxon's signed-rank test, except for the global-variance ratio and CCC, which are tested by {exchange}"
+    test = test if settings.test == "wilcoxon" else exchange
     notes = [
         f"Paired over utterances by {test}, two-sided. P values are Holm-corrected for all {pairs} pairs of rows; "
-        f"those below {settings.level:g} are bold. “Better than” and “worse than” count the rows from which a row "
-        "differs significantly. Intervals are paired bootstrap intervals of the difference, uncorrected.",
+        f"those below {settings.level:g} are bold where test and figure agree in direction. “Better than” and “worse "
+        "than” count the rows from which a row differs so. Intervals are paired bootstrap intervals of the difference, "
+        "uncorrected.",
         "The best value of each measure is bold.",
     ]
     smallest_p = 2.0 ** (1 - utterances)

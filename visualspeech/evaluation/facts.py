@@ -5,6 +5,7 @@ from dataclasses import dataclass
 
 from visualspeech import __version__
 from visualspeech.evaluation.measured import MeasuredRows
+from visualspeech.evaluation.metrics import PROTOCOLS
 from visualspeech.provenance import split_hash
 
 #: Analyses of an appearance model in the order in which papers give their numbers of components.
@@ -64,8 +65,8 @@ class TableFacts:
             seeds=measured.seeds,
         )
 
-    def lines(self, measured: MeasuredRows) -> tuple[tuple[str, str], ...]:
-        """The facts as (name, text) pairs, with the number of test utterances and frames."""
+    def lines(self, measured: MeasuredRows, protocol: str = "") -> tuple[tuple[str, str], ...]:
+        """The facts as (name, text) pairs, with the number of test utterances and frames, and the protocol if given."""
         lines = (
             ("corpus", self.corpus),
             ("system", self.system),
@@ -77,6 +78,7 @@ class TableFacts:
             ("test utterances", str(measured.utterances)),
             ("test frames", str(measured.frames)),
             ("visualspeech", self.version),
+            ("protocol", PROTOCOLS.get(protocol, "")),
         )
         return tuple((name, text) for name, text in lines if text)
 

@@ -5,40 +5,43 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from visualspeech.errors import DataError
-from visualspeech.evaluation.comparisons import ComparisonSettings, holm, paired_p
+from visualspeech.evaluation.comparisons import ComparisonSettings, holm, paired_test
 from visualspeech.evaluation.layout import Cell, Row, Table, interval
 from visualspeech.evaluation.measured import MeasuredRows, cells_of
-from visualspeech.evaluation.metrics import METRICS, Metric, metric_named, statistics_of
+from visualspeech.evaluation.metrics import METRICS, Metric, corpus_figure, metric_named, statistics_of
 from visualspeech.evaluation.published_results import Published
-from visualspeech.evaluation.statistics import BootstrapSettings, Sampled, draws, figure, sample
+from visualspeech.evaluation.statistics import BootstrapSettings, Sampled, draws, figure, sample_row
 from visualspeech.models.rows import ModelRow
 
 RUN, PUBLISHED = "run", "published"
-COLUMNS = ("source", "row", "metric", "value", "low", "high", "gain", "gain_low", "gain_high", "p", "p_holm")
+COLUMNS = ("source", "row", "metric", "value", "low", "high", "gain", "gain_low", "gain_high", "p", "p_holm",
+           "significant")  # fmt: skip
 
 
-def best_cell(rows: Sequence[ModelRow], curves: Mapping[str, object]) -> str:
-    """The cell with the lowest validation error among the candidates, which are the rows with a learning curve.
+def best_cell(rows: Sequence[ModelRow], validation: Mapping[str, object], metric: str = "rmse_appearance") -> str:
+    """The cell with the lowest centred RMSE(appearance) on the validation utterances among the candidates.
 
     It is chosen on the validation utterances, so that its figures on the test utterances are not biased by the choice.
-    The lowest errors of the seeds of one cell are averaged.
+    Figures of the seeds of one cell are averaged.
 
     Parameters
     ----------
-    curves : name of a candidate -> its learning curve (data frame with the column ``validation``)
+    rows : of which the candidates are those in ``validation``
+    validation : name of a candidate -> statistics of the validation utterances
+    metric : another measure to choose by
 
     Raises
     ------
     DataError
         There is no candidate.
     """
-    errors = {
-        cell: float(np.mean([curves[row.name]["validation"].min() for row in repetitions]))
-        for cell, repetitions in cells_of([row for row in rows if row.name in curves]).items()
+    costs = {
+        cell: float(np.mean([METRICS[metric].cost(corpus_figure(validation[row.name], metric)) for row in repetitions]))
+        for cell, repetitions in cells_of([row for row in rows if row.name in validation]).items()
     }
-    if not errors:
-        raise DataError("the table of gains has no candidate. Name a trained network in the settings of the tables.")
-    return min(errors, key=errors.get)
+    if not costs:
+        raise DataError("the table of gains has no candidate. Name a model in the settings of the tables.")
+    return min(costs, key=costs.get)
 
 
 def rows_of_gains(measured: MeasuredRows, best: str, references: Sequence[str]) -> MeasuredRows:
@@ -66,7 +69,8 @@ def gains_frame(
 
     ``gain`` is the gain of the network over a reference: for errors the share by which the error is lower (``1 -
     network / reference``), for other measures the difference. Its interval is a paired one. P values are Holm-corrected
-    over all lines. Published rows have a value and a gain only.
+    over all lines; ``significant`` is 1 where one is below the level and the test agrees with the gain in direction.
+    Published rows have a value and a gain only.
 
     Parameters
     ----------
@@ -78,21 +82,26 @@ def gains_frame(
 
     settings, bootstrap = settings or ComparisonSettings(), bootstrap or BootstrapSettings()
     measured = measured.pooled()
-    drawn, lines, p = draws(measured.utterances, bootstrap), [], []
+    drawn, lines, tested = draws(measured.utterances, bootstrap), [], []
     for row in _best_last([row.name for row in measured.rows], best):
         for metric in map(metric_named, metrics):
-            tables = measured.tables[row], measured.tables[best]
-            own, of_best = (sample(table, metric, drawn) for table in tables)
+            own, of_best = (sample_row(measured, one, metric, drawn, bootstrap) for one in (row, best))
             shown, gain = figure(own, bootstrap.level), (np.nan,) * 3
             if row != best:
                 found = figure(_gain(metric, of_best, own), bootstrap.level)
                 gain = (found.value, found.low, found.high)
-                statistics = [statistics_of(table, metric) for table in tables]
-                p.append(paired_p(metric, *statistics[::-1], settings))
+                statistics = [statistics_of(measured.tables[one], metric) for one in (best, row)]
+                # A row has its lower costs where the network gains.
+                p, direction = paired_test(metric, *statistics, settings)
+                agrees = direction * np.sign(metric.cost(of_best.value) - metric.cost(own.value)) > 0
+                tested.append((p, agrees))
             lines.append((RUN, row, metric.name, shown.value, shown.low, shown.high, *gain))
-    missing = [np.nan] * len(metrics)
-    tested = [[*values, *missing] for values in (p, holm(np.array(p)))]
-    frame = pandas.DataFrame(lines, columns=list(COLUMNS[:9])).assign(p=tested[0], p_holm=tested[1])
+    missing, p = [np.nan] * len(metrics), np.array([one[0] for one in tested])
+    corrected = holm(p)
+    significant = [float(value < settings.level and one[1]) for value, one in zip(corrected, tested, strict=True)]
+    parts = {"p": p, "p_holm": corrected, "significant": significant}
+    frame = pandas.DataFrame(lines, columns=list(COLUMNS[:9]))
+    frame = frame.assign(**{name: [*values, *missing] for name, values in parts.items()})
     return pandas.concat([frame, _published_frame(paper)], ignore_index=True) if paper and paper.gains else frame
 
 
@@ -140,25 +149,25 @@ def gains_tables(
     title = titles[best]
     notes = (
         "The best value in each column is bold.",
-        f"{title} is the network with the lowest error on the validation utterances. Intervals are percentile "
-        "bootstrap intervals over test utterances.",
+        f"{title} is the candidate with the lowest centred RMSE(appearance) on the validation utterances. Intervals "
+        "are those of the other tables.",
     )
     note = (
         "For errors, the share by which the network's error is lower; for other measures, the difference; with paired "
         f"bootstrap intervals. A gain is bold if the Holm-corrected p value of a paired test over utterances is below "
-        f"{settings.level:g}."
+        f"{settings.level:g} and the test agrees with the gain in direction."
     )
     heading = "Best network and reference models"
     titles |= {best: f"Best network ({title})"}
-    tables = _tables(frame[frame["source"] == RUN], heading, titles, facts, (notes, (note,)), settings, digits)
+    tables = _tables(frame[frame["source"] == RUN], heading, titles, facts, (notes, (note,)), digits)
     part = frame[frame["source"] == PUBLISHED]
     if len(part):
         source, notes = (("source", paper.source),), (notes[:1], ("The paper gives no intervals.",))
-        tables += _tables(part, f"{heading} as published", {}, source, notes, settings, digits)
+        tables += _tables(part, f"{heading} as published", {}, source, notes, digits)
     return tuple(tables)
 
 
-def _tables(part, heading: str, titles: Mapping[str, str], facts, notes, settings, digits: int) -> list[Table]:
+def _tables(part, heading: str, titles: Mapping[str, str], facts, notes, digits: int) -> list[Table]:
     """The table of figures, and the table of the last row's gains over the others; ``notes`` has those of both."""
     found = {(row.row, row.metric): row for row in part.itertuples()}
     rows, metrics = (list(dict.fromkeys(part[column])) for column in ("row", "metric"))
@@ -167,9 +176,7 @@ def _tables(part, heading: str, titles: Mapping[str, str], facts, notes, setting
         Row(titles.get(row, row), tuple(_figure(found[row, m], best[m] == row, digits) for m in metrics))
         for row in rows
     ]
-    gains = [
-        Row(titles.get(row, row), tuple(_shown_gain(found[row, m], settings) for m in metrics)) for row in rows[:-1]
-    ]
+    gains = [Row(titles.get(row, row), tuple(_shown_gain(found[row, m]) for m in metrics)) for row in rows[:-1]]
     return [
         Table(heading, tuple(METRICS[m].heading for m in metrics), tuple(figures), facts=tuple(facts), notes=notes[0]),
         Table(
@@ -182,9 +189,9 @@ def _figure(row, best: bool, digits: int) -> Cell:
     return Cell(f"{row.value:.{digits}f}", _interval(row.low, row.high, f"{{:.{digits}f}}".format), best=best)
 
 
-def _shown_gain(row, settings: ComparisonSettings) -> Cell:
+def _shown_gain(row) -> Cell:
     form = ("{:.1%}" if METRICS[row.metric].is_error else "{:.3f}").format
-    return Cell(form(row.gain), _interval(row.gain_low, row.gain_high, form), best=bool(row.p_holm < settings.level))
+    return Cell(form(row.gain), _interval(row.gain_low, row.gain_high, form), best=bool(row.significant == 1))
 
 
 def _interval(low: float, high: float, form) -> str:

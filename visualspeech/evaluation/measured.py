@@ -1,12 +1,12 @@
 """Rows of a result table with the statistics of their test utterances."""
 
 from collections.abc import Callable, Collection, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
 from visualspeech.errors import DataError
-from visualspeech.evaluation.metrics import corpus_figure
+from visualspeech.evaluation.metrics import CENTRED, Metric, corpus_figure, is_measured, metric_named
 from visualspeech.models.rows import ModelRow
 
 #: Family of the base row of ratios: the mean of all training frames.
@@ -50,6 +50,7 @@ class MeasuredRows:
     rows : in the order of the table
     tables : name of a row -> statistics of its utterances (:func:`visualspeech.evaluation.metrics.score_table`), in the
         same order
+    repetitions : name of a pooled row -> the tables of its repetitions
 
     Raises
     ------
@@ -59,6 +60,7 @@ class MeasuredRows:
 
     rows: tuple[ModelRow, ...]
     tables: Mapping[str, object]
+    repetitions: Mapping[str, tuple] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         if not self.rows:
@@ -70,6 +72,24 @@ class MeasuredRows:
         """Rows given as plain data (:meth:`ModelRow.plain`), with their tables in the same order."""
         made = tuple(map(ModelRow.of, rows))
         return cls(made, {row.name: table for row, table in zip(made, tables, strict=True)})
+
+    def repeated(self, name: str) -> tuple:
+        """The tables of all repetitions of a row; that of the row itself where it is none of a pooled cell."""
+        return self.repetitions.get(name, (self.tables[name],))
+
+    def metrics(self, names: Sequence[str], protocol: str = "") -> list[Metric]:
+        """Those of some measures whose statistics the rows hold, in their order; of one protocol if one is given.
+
+        A measure of the centred protocol that the rows lack is left in, because their tables are then damaged.
+
+        Raises
+        ------
+        SettingError
+            A measure is unknown.
+        """
+        table = next(iter(self.tables.values()))
+        chosen = [one for one in map(metric_named, names) if not protocol or one.protocol == protocol]
+        return [one for one in chosen if one.protocol == CENTRED or is_measured(table, one)]
 
     @property
     def base(self) -> ModelRow:
@@ -116,10 +136,11 @@ class MeasuredRows:
     def where(self, wanted: Callable[[ModelRow], bool]) -> "MeasuredRows":
         """The rows for which a condition holds."""
         kept = tuple(row for row in self.rows if wanted(row))
-        return MeasuredRows(kept, {row.name: self.tables[row.name] for row in kept})
+        repetitions = {row.name: self.repetitions[row.name] for row in kept if row.name in self.repetitions}
+        return MeasuredRows(kept, {row.name: self.tables[row.name] for row in kept}, repetitions)
 
     def on(self, utterances: Collection[str]) -> "MeasuredRows":
-        """The rows on some of their utterances."""
+        """The rows on some of their utterances; not for pooled rows."""
         kept = {name: table[table["id"].isin(utterances)].reset_index(drop=True) for name, table in self.tables.items()}
         return MeasuredRows(self.rows, kept)
 
@@ -133,10 +154,12 @@ class MeasuredRows:
         The statistics are means over the repetitions. The figure of a quotient is then the mean of the repetitions'
         figures; the concordance correlation is that of the frames of all repetitions together.
         """
+        if self.repetitions:
+            return self
         cells = self.cells()
         rows = tuple(replace(of_cell[0], name=cell) for cell, of_cell in cells.items())
-        tables = {cell: _mean([self.tables[row.name] for row in of_cell]) for cell, of_cell in cells.items()}
-        return MeasuredRows(rows, tables)
+        repetitions = {cell: tuple(self.tables[row.name] for row in of_cell) for cell, of_cell in cells.items()}
+        return MeasuredRows(rows, {cell: _mean(tables) for cell, tables in repetitions.items()}, repetitions)
 
     def mean_and_deviation(self, rows: Sequence[ModelRow], metric: str) -> tuple[float, float]:
         """Mean of a corpus figure over repetitions and its sample standard deviation, NaN for a single repetition."""

@@ -1,12 +1,12 @@
 """Figures that papers print, to stand beside those of a run; each with its source, in ``published/*.yaml``."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from functools import cache
 from pathlib import Path
 
 from visualspeech.errors import SettingError
-from visualspeech.evaluation.metrics import metric_named
+from visualspeech.evaluation.metrics import Metric, metric_named
 from visualspeech.settings import read_yaml
 
 FOLDER = Path(__file__).parent / "published"
@@ -64,9 +64,9 @@ def published(key: str) -> Published | None:
     return published_of(read_yaml(FOLDER / f"{key}.yaml"), key)
 
 
-def shared_metrics(paper: Published | None, metrics: Sequence[str]) -> tuple[str, ...]:
-    """Measures of a table that stands beside published figures: the paper's, or where there is none, all given."""
-    return paper.metrics if paper is not None and paper.metrics else tuple(metrics)
+def shared_metrics(paper: Published | None, metrics: Iterable[Metric]) -> tuple[str, ...]:
+    """Names of the measures of a table beside published figures: the paper's, or where there is none, all given."""
+    return paper.metrics if paper is not None and paper.metrics else tuple(metric.name for metric in metrics)
 
 
 def published_of(data: Mapping, key: str) -> Published:

@@ -1,7 +1,8 @@
 """Confidence intervals of corpus figures: percentile bootstrap over utterances (Efron 1979), and paired quotients.
 
 Utterances are drawn, not frames, because the frames of one utterance depend on each other. All rows of a table share
-the same draws, so that a quotient of two rows is a paired statistic.
+the same draws, so that a quotient of two rows is a paired statistic. Where a row has repetitions (seeds), these are
+drawn too, for each row apart: two networks of one seed have nothing in common.
 """
 
 from collections.abc import Sequence
@@ -17,17 +18,17 @@ from visualspeech.fields import MAX_SEED, Settings, setting
 
 @dataclass(frozen=True)
 class BootstrapSettings(Settings):
-    """Bootstrap confidence intervals over utterances."""
+    """Bootstrap confidence intervals over utterances, and over seeds where there are several."""
 
     section = "tables.bootstrap"
     samples: int = setting(2000, "Number of bootstrap samples.", minimum=1, maximum=100_000)
     level: float = setting(0.95, "Confidence level of the intervals, for example 0.95.", above=0, below=1)
     seed: int = setting(0, "Seed of the bootstrap samples.", minimum=0, maximum=MAX_SEED)
 
-    @property
-    def text(self) -> str:
-        """Description of the intervals, for the header of a table."""
-        return f"{self.level * 100:g} % percentile bootstrap over utterances, {self.samples} samples, seed {self.seed}"
+    def text(self, measured: MeasuredRows) -> str:
+        """Description of the intervals of rows, for the header of a table."""
+        over = "utterances and seeds" if any(len(one) > 1 for one in measured.repetitions.values()) else "utterances"
+        return f"{self.level * 100:g} % percentile bootstrap over {over}, {self.samples} samples, seed {self.seed}"
 
 
 @dataclass(frozen=True)
@@ -70,15 +71,34 @@ def sample(table, metric: Metric, drawn: np.ndarray) -> Sampled:
 
     Parameters
     ----------
-    table : statistics of the utterances (:func:`visualspeech.evaluation.metrics.score_table`)
+    table : statistics of the utterances (:func:`visualspeech.evaluation.scoring.score_table`)
     drawn : from :func:`draws`
     """
     statistics = statistics_of(table, metric)
+    return Sampled(float(metric.value(total(statistics))), metric.value(_sums(statistics, drawn)))
+
+
+def sample_row(
+    measured: MeasuredRows, name: str, metric: Metric, drawn: np.ndarray, settings: BootstrapSettings
+) -> Sampled:
+    """As :func:`sample`, of one row; of a pooled one, its repetitions are drawn with replacement in each sample."""
+    tables = measured.repeated(name)
+    if len(tables) == 1:
+        return sample(tables[0], metric, drawn)
+    generator, count = np.random.default_rng([settings.seed, *name.encode()]), len(tables)
+    shares = generator.multinomial(count, np.full(count, 1 / count), size=len(drawn)) / count
+    every = [statistics_of(table, metric) for table in tables]
+    sums = sum(share[:, None] * _sums(one, drawn) for share, one in zip(shares.T, every, strict=True))
+    whole = np.mean([total(one) for one in every], axis=0)
+    return Sampled(float(metric.value(whole)), metric.value(sums))
+
+
+def _sums(statistics: np.ndarray, drawn: np.ndarray) -> np.ndarray:
+    """Sums of statistics (utterances, k) over the utterances of each sample, (samples, k)."""
     # Blocks limit the memory; plain sums, unlike matrix products, do not depend on the threads of a library.
     rows = max(1, 2_000_000 // drawn.shape[1])
     blocks = (drawn[start : start + rows] for start in range(0, len(drawn), rows))
-    sums = (np.stack([column[block].sum(axis=1) for column in statistics.T], axis=-1) for block in blocks)
-    return Sampled(float(metric.value(total(statistics))), np.concatenate([metric.value(one) for one in sums]))
+    return np.concatenate([np.stack([column[block].sum(axis=1) for column in statistics.T], -1) for block in blocks])
 
 
 def figure(sampled: Sampled, level: float) -> Figure:

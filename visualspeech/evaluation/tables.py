@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 from visualspeech.evaluation.layout import Cell, Row, Table, best_of, definitions_of, interval, shown
 from visualspeech.evaluation.measured import MeasuredRows
-from visualspeech.evaluation.metrics import METRICS, Metric, metric_named
+from visualspeech.evaluation.metrics import METRICS, PROTOCOLS, Metric
 from visualspeech.evaluation.statistics import BootstrapSettings, summarise
 from visualspeech.fields import Settings, setting
 
@@ -19,8 +19,9 @@ class TableSettings(Settings):
 
     section = "tables"
     metrics: tuple[str, ...] = setting(
-        tuple(name for name in METRICS if name != "ccc"),
-        "Measures shown, in the order of the columns.",
+        tuple(name for name in METRICS if not name.startswith("ccc")),
+        "Measures shown, in the order of the columns; those of the absolute protocol in a table of their own, and only "
+        "where they are defined.",
         item={"description": "A measure; its formula is in docs/papers.md.", "choices": METRICS},
         min_items=1,
         max_items=100,
@@ -49,7 +50,7 @@ def result_tables(
     tuple
         a data frame with one line per row (column ``row``) and the columns ``metric``, ``metric_low``, ``metric_high``,
         ``metric_ratio``, ``metric_ratio_low``, ``metric_ratio_high`` of each measure, as text rounded to the digits
-        shown; and two :class:`Table`: figures, and ratios to the training mean
+        shown; and :class:`Table`: for each protocol the figures, and ratios to the training mean
 
     Raises
     ------
@@ -57,30 +58,40 @@ def result_tables(
         As :func:`visualspeech.evaluation.statistics.summarise`.
     """
     settings, bootstrap = settings or TableSettings(), bootstrap or BootstrapSettings()
-    summary = summarise(measured, settings.metrics, bootstrap)
+    metrics = tuple(measured.metrics(settings.metrics))
+    summary = summarise(measured, [metric.name for metric in metrics], bootstrap)
     digits = {part: settings.ratio_digits if part.startswith("ratio") else settings.digits for part in PARTS}
     cells = {
         (line.row, line.metric): {part: shown(getattr(line, part), digits[part]) for part in PARTS}
         for line in summary.itertuples()
     }
-    metrics = tuple(map(metric_named, settings.metrics))
-    lines = (*facts, ("intervals", bootstrap.text), *_undefined(measured, metrics))
+    tables = []
+    for protocol, text in PROTOCOLS.items():
+        part = tuple(metric for metric in metrics if metric.protocol == protocol)
+        if part:
+            lines = (*facts, ("protocol", text), ("intervals", bootstrap.text(measured)), *_undefined(measured, part))
+            tables += _pair(measured, part, cells, f"Objective measures, {protocol}", lines)
+    return _frame(measured, metrics, cells), tuple(tables)
+
+
+def _pair(measured: MeasuredRows, metrics, cells: Mapping, title: str, facts) -> tuple[Table, Table]:
+    """The table of figures of one protocol, and that of their ratios to the training mean."""
     base = measured.base.title.lower()
     figures = Table(
-        "Objective measures",
+        title,
         tuple(metric.heading for metric in metrics),
         _rows(measured, metrics, cells, "value", best_cells(measured, metrics, cells)),
-        facts=lines,
+        facts=facts,
         notes=("The best value in each column is bold.",),
     )
     ratios = Table(
-        f"Objective measures: ratio to the {base}",
+        f"{title}: ratio to the {base}",
         tuple(metric.title for metric in metrics),
         _rows(measured, metrics, cells, "ratio", frozenset()),
-        notes=_note(base, cells),
+        notes=_note(base, [cells[row.name, metric.name] for row in measured.rows for metric in metrics]),
         definitions=definitions_of(metrics),
     )
-    return _frame(measured, metrics, cells), (figures, ratios)
+    return figures, ratios
 
 
 def best_cells(measured: MeasuredRows, metrics: Sequence[Metric], cells: Mapping) -> frozenset[tuple[str, str]]:
@@ -129,11 +140,11 @@ def _undefined(measured: MeasuredRows, metrics) -> tuple[tuple[str, str], ...]:
     return (("frames with undefined correlation, counted as 0", text),) if text else ()
 
 
-def _note(base: str, cells: Mapping) -> tuple[str, ...]:
+def _note(base: str, cells: Sequence[Mapping]) -> tuple[str, ...]:
     """Why ratios are missing; empty if none is."""
-    if all(cell["ratio"] for cell in cells.values()):
+    if all(cell["ratio"] for cell in cells):
         return ()
     return (
-        f"Ratios are given for errors only: the {base} has no variance over time and correlates only by chance. No "
-        "ratio is given where the interval of its error includes 0.",
+        f"Ratios are given for errors only: the {base} has no variance over time, and no correlation. No ratio is "
+        "given where the interval of its error includes 0.",
     )

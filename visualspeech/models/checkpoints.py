@@ -10,6 +10,10 @@ from visualspeech.errors import StorageError
 from visualspeech.jobs import log
 from visualspeech.storage.models import part_of, read_model, write_model
 
+#: Numbers of a training's state.
+ERRORS = ("best_error", "improved_error")
+COUNTS = ("best_epoch", "improved_epoch", "since_decay", "updates")
+
 
 def write_checkpoint(path: str | Path, identity: str, state) -> None:
     """Keep a training's state: weights, their moving average, best weights, optimiser, random numbers, learning curve.
@@ -33,10 +37,7 @@ def write_checkpoint(path: str | Path, identity: str, state) -> None:
         "kind": "checkpoint",
         "identity": identity,
         "learning_rate": optimiser["param_groups"][0]["lr"],
-        "best_error": state.best_error,
-        "best_epoch": state.best_epoch,
-        "since_decay": state.since_decay,
-        "updates": state.updates,
+        **{name: getattr(state, name) for name in (*ERRORS, *COUNTS)},
     }
     write_model(path, tensors, settings)
 
@@ -64,10 +65,10 @@ def read_checkpoint(path: str | Path, identity: str, state) -> bool:
     state.optimiser.load_state_dict({"state": moments, "param_groups": groups})
     for group in state.optimiser.param_groups:
         group["lr"] = settings["learning_rate"]
-    state.best_error = math.inf if settings["best_error"] is None else settings["best_error"]
-    state.best_epoch = settings["best_epoch"]
-    state.since_decay = settings["since_decay"]
-    state.updates = settings["updates"]
+    for name in ERRORS:
+        setattr(state, name, math.inf if settings[name] is None else settings[name])
+    for name in COUNTS:
+        setattr(state, name, settings[name])
     state.curve = [(int(row[0]), *map(float, row[1:])) for row in tensors["curve"]]
     torch.set_rng_state(torch.tensor(tensors["random"]))
     return True

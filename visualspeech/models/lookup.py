@@ -128,7 +128,9 @@ def fit(task: Task) -> Fitted:
 
     sizes = [block.layout.sizes for block in task.blocks.values()]
     if len(sizes) != 1 or len(sizes[0]) != 4:
-        raise DataError(f"`models.{task.row.name}.reads` must name one block of kind triphone_state.")
+        raise DataError(
+            f"`models.{task.row.name}.reads` must name one block of kind triphone_state that is not fractional."
+        )
     check_examples(task.training, task.blocks, "training")
     model = fit_lookup(task.training, sizes[0], LookupSettings(**task.row.settings), task.blocks, task.coding)
     counts = {context: len(values) for context, values in model.counts.items()}

@@ -1,9 +1,12 @@
 """What training minimises, and the statistics from which its value over a corpus follows."""
 
+from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
 import torch
+
+from visualspeech.models.training_settings import TrainingSettings
 
 
 class Objective(Protocol):
@@ -35,6 +38,37 @@ class SumOfSquaredErrors:
 
     def loss(self, predicted: torch.Tensor, true: torch.Tensor, lengths: torch.Tensor) -> torch.Tensor:
         return 0.5 * torch.sum((predicted - true) ** 2)
+
+    def statistics(self, loss, predicted, true, lengths) -> np.ndarray:
+        return np.array([loss.item()])
+
+    def value(self, statistics: np.ndarray, frames: int) -> float:
+        return statistics[0] / frames
+
+
+@dataclass(frozen=True)
+class CentredSumOfSquaredErrors:
+    """E of Fan 2015, Eq. 9, of prediction and truth less their own means over the utterance; a value a frame.
+
+    With the error e_t of T frames and its mean m: ``(sum_t |e_t - m|^2 + offset_weight T |m|^2) / 2``. The offset of a
+    whole utterance is position and light of a recording, which neither text nor sound tells. Without any weight on it
+    a network's own offset would stay at random, and differ from sentence to sentence.
+
+    Parameters
+    ----------
+    offset_weight : of the squared mean error; 1 gives :class:`SumOfSquaredErrors`
+    """
+
+    offset_weight: float
+    power = 2
+    additive = True
+
+    def loss(self, predicted: torch.Tensor, true: torch.Tensor, lengths: torch.Tensor) -> torch.Tensor:
+        error = predicted - true
+        total = error.sum(dim=1)
+        # Frames beyond the end are zero, so sums over T need no mask: sum |e - m|^2 = sum |e|^2 - T |m|^2.
+        offset = torch.sum(total**2 / lengths[:, None])
+        return 0.5 * (torch.sum(error**2) - (1 - self.offset_weight) * offset)
 
     def statistics(self, loss, predicted, true, lengths) -> np.ndarray:
         return np.array([loss.item()])
@@ -99,8 +133,8 @@ def _concordance(x, y, xx, yy, xy, count):
     return 2 * covariance / (spread + 1e-12)
 
 
-OBJECTIVES: dict[str, Objective] = {
-    "sse": SumOfSquaredErrors(),
-    "mse": MeanSquaredError(),
-    "ccc": ConcordanceCorrelation(),
-}
+def objective_of(settings: TrainingSettings) -> Objective:
+    """The objective that the settings name."""
+    if settings.objective == "sse_centred":
+        return CentredSumOfSquaredErrors(settings.offset_weight)
+    return {"sse": SumOfSquaredErrors, "mse": MeanSquaredError, "ccc": ConcordanceCorrelation}[settings.objective]()

@@ -16,7 +16,7 @@ from visualspeech.features.examples import Example
 from visualspeech.jobs import log
 from visualspeech.models.batches import Batch, Content, Scaling, batch, batches, content
 from visualspeech.models.checkpoints import read_checkpoint, write_checkpoint
-from visualspeech.models.objectives import OBJECTIVES
+from visualspeech.models.objectives import Objective, objective_of
 from visualspeech.models.task import Task
 from visualspeech.models.training_settings import TrainingSettings
 from visualspeech.provenance import code_digest, digest
@@ -70,6 +70,8 @@ class _State:
     best: dict[str, torch.Tensor]
     best_error: float = math.inf
     best_epoch: int = 0
+    improved_error: float = math.inf
+    improved_epoch: int = 0
     since_decay: int = 0
     updates: int = 0
     curve: list[tuple[int, float, float, float]] = field(default_factory=list)
@@ -87,8 +89,8 @@ class _Run:
     scaling: Scaling
 
     @property
-    def objective(self):
-        return OBJECTIVES[self.settings.objective]
+    def objective(self) -> Objective:
+        return objective_of(self.settings)
 
 
 def train(
@@ -202,7 +204,7 @@ def _average(state: _State, decay: float) -> None:
 
 def _finished(state: _State, settings: TrainingSettings) -> bool:
     epochs = len(state.curve)
-    return epochs >= settings.max_epochs or epochs - state.best_epoch >= settings.patience
+    return epochs >= settings.max_epochs or epochs - state.improved_epoch >= settings.patience
 
 
 def _epoch(state: _State, run: _Run) -> None:
@@ -216,10 +218,12 @@ def _epoch(state: _State, run: _Run) -> None:
             f"the training of {run.name} diverged in epoch {number}: its error is not a finite number. "
             f"Lower `training.learning_rate` (now {state.optimiser.param_groups[0]['lr']:g})."
         )
-    # Of the value's size, whatever its sign.
-    if validation < state.best_error - settings.min_improvement * abs(state.best_error) or not state.best_epoch:
+    if validation < state.best_error or not state.best_epoch:
         state.best, state.best_error, state.best_epoch = _copy(state.average), validation, number
-        state.since_decay = 0
+    # Of the value's size, whatever its sign.
+    margin = settings.min_improvement * abs(state.improved_error)
+    if not state.improved_epoch or validation < state.improved_error - margin:
+        state.improved_error, state.improved_epoch, state.since_decay = validation, number, 0
     else:
         state.since_decay += 1
         if state.since_decay >= settings.lr_patience:
@@ -260,7 +264,7 @@ def validation_error(
     scaling: Scaling,
 ) -> float:
     """The objective of a module on utterances, in units of the scaled targets."""
-    objective = OBJECTIVES[settings.objective]
+    objective = objective_of(settings)
     module.eval()
     rows = []
     with torch.inference_mode():

@@ -8,7 +8,7 @@ from visualspeech.errors import SettingError
 from visualspeech.fields import MAX_SEED, Settings, setting
 
 #: Objectives of :mod:`visualspeech.models.objectives`, and batchers of :mod:`visualspeech.models.batches`.
-OBJECTIVES = ("sse", "mse", "ccc")
+OBJECTIVES = ("sse", "sse_centred", "mse", "ccc")
 BATCHERS = ("utterances", "frames")
 
 #: What an optimiser's preset changes against the defaults of :class:`TrainingSettings`.
@@ -39,9 +39,16 @@ class TrainingSettings(Settings):
     )
     objective: str = setting(
         "sse",
-        "What training minimises: sse (half the sum of squared errors, Fan 2015, Eq. 9), mse (mean squared error), ccc "
-        "(1 - concordance correlation coefficient).",
+        "What training minimises: sse (half the sum of squared errors, Fan 2015, Eq. 9), sse_centred (the same of "
+        "prediction and truth less their means over the utterance), mse (mean squared error), ccc (1 - concordance "
+        "correlation coefficient).",
         choices=OBJECTIVES,
+    )
+    offset_weight: float = setting(
+        0.05,
+        "Weight of the squared mean error of an utterance, with `objective: sse_centred`; 1: sse.",
+        minimum=0,
+        maximum=1,
     )
     batcher: str = setting(
         "utterances",

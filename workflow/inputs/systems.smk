@@ -1,6 +1,6 @@
 # The system, visual coding and row that a job belongs to.
 from visualspeech.face.point_sets import point_set_path
-from visualspeech.features.blocks.base import block_module
+from visualspeech.features.blocks.base import block_class, block_module, needs_of
 from visualspeech.models.families import FAMILIES
 from visualspeech.models.registry import code_modules
 from visualspeech.models.rows import ModelRow
@@ -56,6 +56,19 @@ def features_of(wildcards):
         for block in row_of(wildcards).reads
         for path in filled("<system>/features/{block}/{shard}.h5", wildcards, block=block, shard=numbers)
     ]
+
+
+def where_needed(need, pattern):
+    """Input function: files of the job's shard, or of all shards, if its input block is computed from ``need``."""
+
+    def paths(wildcards):
+        kind = system_of(wildcards)["blocks"][wildcards.block]["kind"]
+        if need not in needs_of(block_class(kind)):
+            return []
+        own = {} if hasattr(wildcards, "shard") else {"shard": PLAN.corpora[wildcards.corpus].shards}
+        return filled(pattern, wildcards, **own)
+
+    return paths
 
 
 def model_code(script):

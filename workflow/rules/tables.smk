@@ -1,12 +1,35 @@
 # The result tables of each system, and of all systems of a corpus.
+rule measure_closures:
+    input:
+        utterances=of_coding("utterances.tsv"),
+        coding=of_coding("model.safetensors"),
+        targets=shards("<system>/targets/{shard}.h5"),
+        alignment=shards("<corpus>/alignment/{shard}.tsv"),
+    output:
+        "<system>/closures.tsv",
+    log:
+        "<system>/logs/measure_closures.log",
+    threads: 1
+    resources:
+        mem_mb=500,
+        disk_mb=50,
+    params:
+        code=code("measure_closures.py"),
+    script:
+        "../scripts/measure_closures.py"
+
+
 rule measure_model:
     input:
         utterances=of_coding("utterances.tsv"),
         coding=of_coding("model.safetensors"),
         predictions="<system>/models/{model}/predictions.h5",
         targets=shards("<system>/targets/{shard}.h5"),
+        alignment=shards("<corpus>/alignment/{shard}.tsv"),
+        closures="<system>/closures.tsv",
     output:
-        "<system>/models/{model}/statistics.tsv",
+        test="<system>/models/{model}/statistics.tsv",
+        validation="<system>/models/{model}/validation.tsv",
     log:
         "<system>/logs/measure_model/{model}.log",
     benchmark:
@@ -16,6 +39,7 @@ rule measure_model:
         mem_mb=1000,
         disk_mb=50,
     params:
+        drift=lambda wildcards: coding_of(wildcards)["drift"]["method"],
         code=code("measure_model.py"),
     script:
         "../scripts/measure_model.py"
@@ -40,6 +64,28 @@ rule tabulate_results:
         code=code("tabulate_results.py"),
     script:
         "../scripts/tabulate_results.py"
+
+
+rule tabulate_articulation:
+    input:
+        utterances=of_coding("utterances.tsv"),
+        coding=of_coding("model.safetensors"),
+        closures="<system>/closures.tsv",
+        statistics=statistics_of(),
+    output:
+        multiext("<system>/tables/articulation", *FORMS),
+    log:
+        "<system>/logs/tabulate_articulation.log",
+    params:
+        rows=carried(plain_rows()),
+        rows_digest=marked(plain_rows()),
+        facts=facts_of,
+        digits=lambda wildcards: system_of(wildcards)["tables"]["digits"],
+        bootstrap=lambda wildcards: system_of(wildcards)["tables"]["bootstrap"],
+        seed=SEED,
+        code=code("tabulate_articulation.py"),
+    script:
+        "../scripts/tabulate_articulation.py"
 
 
 rule tabulate_topologies:
@@ -89,7 +135,7 @@ rule tabulate_gains:
         utterances=of_coding("utterances.tsv"),
         coding=of_coding("model.safetensors"),
         statistics=statistics_of(names=of_gains),
-        curves=of_rows("learning_curve.tsv", lambda system: system["tables"]["gains"]["candidates"]),
+        validation=of_rows("validation.tsv", lambda system: system["tables"]["gains"]["candidates"]),
     output:
         multiext("<system>/tables/gains", *FORMS),
     log:
@@ -108,6 +154,28 @@ rule tabulate_gains:
         code=code("tabulate_gains.py"),
     script:
         "../scripts/tabulate_gains.py"
+
+
+rule tabulate_ablation:
+    input:
+        utterances=of_coding("utterances.tsv"),
+        coding=of_coding("model.safetensors"),
+        statistics=statistics_of(names=of_ablation),
+    output:
+        multiext("<system>/tables/ablation", *FORMS),
+    log:
+        "<system>/logs/tabulate_ablation.log",
+    params:
+        rows=carried(plain_rows(names=of_ablation)),
+        rows_digest=marked(plain_rows(names=of_ablation)),
+        ablation=lambda wildcards: system_of(wildcards)["tables"]["ablation"],
+        facts=facts_of,
+        settings=table_settings,
+        bootstrap=lambda wildcards: system_of(wildcards)["tables"]["bootstrap"],
+        seed=SEED,
+        code=code("tabulate_ablation.py"),
+    script:
+        "../scripts/tabulate_ablation.py"
 
 
 rule tabulate_systems:

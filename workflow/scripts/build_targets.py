@@ -13,4 +13,6 @@ with (
 ):
     for one in parameters.ids:
         visual = {name: parameters.array(one, name) for name in STREAMS}
-        out.add(one, *target_streams(visual, parameters.rate(one), snakemake.params.rate))
+        streams, rate = target_streams(visual, parameters.rate(one), snakemake.params.rate)
+        # Of the recording, not of a frame.
+        out.add(one, {**streams, "offset": parameters.array(one, "offset", ...)}, rate)

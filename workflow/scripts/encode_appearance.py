@@ -5,7 +5,11 @@ from visualspeech.face.drift import Faces
 from visualspeech.jobs import job, progress
 from visualspeech.storage.arrays import ArrayReader, ArrayWriter
 
-UNITS = {"points": "px of the normalised face, drift removed", "residual": "grey levels"}
+UNITS = {
+    "points": "px of the normalised face, drift removed",
+    "offset": "px of the normalised face, of the drift that was removed",
+    "residual": "grey levels",
+}
 
 with (
     job(snakemake.log[0]),
@@ -15,4 +19,5 @@ with (
     coding = load_coding(snakemake.input.aam)
     for one in progress(textures.ids, len(textures.ids), "utterances"):
         coded = coding.encode_faces(Faces.read(textures, one))
-        out.add(one, {"appearance": coded.parameters, **coded.details}, textures.rate(one), UNITS)
+        arrays = {"appearance": coded.parameters, "offset": coded.offset.shape, **coded.details}
+        out.add(one, arrays, textures.rate(one), UNITS)

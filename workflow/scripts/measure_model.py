@@ -1,26 +1,28 @@
-"""Measure one model's predictions of the test utterances against the recorded faces."""
+"""Measure one model's predictions of the test and validation utterances against the recorded faces."""
 
 from visualspeech.corpora.table import of_split, read_utterances
-from visualspeech.evaluation.metrics import score, score_table
-from visualspeech.evaluation.sequences import predicted_sequence, recorded_sequence
+from visualspeech.evaluation.articulation import articulation_of, read_closures
+from visualspeech.evaluation.scoring import score_table
+from visualspeech.evaluation.sequences import scores
 from visualspeech.face.aam.model import Aam
 from visualspeech.jobs import job
+from visualspeech.speech.alignment import alignments_of
 from visualspeech.storage.arrays import ArrayCollection, ArrayReader
 from visualspeech.storage.tables import write_table
 
+source = snakemake.input
 with (
     job(snakemake.log[0]),
-    ArrayReader(snakemake.input.predictions) as predictions,
-    ArrayCollection(snakemake.input.targets) as targets,
+    ArrayReader(source.predictions) as predictions,
+    ArrayCollection(source.targets) as targets,
 ):
-    aam = Aam.load(snakemake.input.coding)
-    rows = [
-        score(
-            one.id,
-            predicted_sequence(predictions.array(one.id, "appearance"), aam),
-            recorded_sequence(targets[one.id], aam.points),
-            targets.rate(one.id),
-        )
-        for one in of_split(read_utterances(snakemake.input.utterances), "test")
-    ]
-    write_table(snakemake.output[0], score_table(rows))
+    aam, utterances = Aam.load(source.coding), read_utterances(source.utterances)
+    closures = read_closures(source.closures)
+    for split in ("test", "validation"):
+        ids = [one.id for one in of_split(utterances, split)]
+        aligned, rows = alignments_of(source.alignment, ids), []
+        for row in scores(ids, predictions, targets, aam, drift_kept=snakemake.params.drift == "none"):
+            appearance, recorded = predictions.array(row["id"], "appearance"), targets.array(row["id"], "points")
+            spoken = aligned[row["id"]], row["rate"], closures
+            rows.append(row | articulation_of(appearance, recorded, aam, *spoken))
+        write_table(snakemake.output[split], score_table(rows))

@@ -12,11 +12,11 @@ from visualspeech.evaluation.comparisons import (
     ComparisonSettings,
     compare,
     comparison_tables,
+    exchange_test,
     holm,
-    sign_permutation,
     signed_rank,
 )
-from visualspeech.evaluation.metrics import corpus_figure
+from visualspeech.evaluation.metrics import METRICS, corpus_figure, statistics_of
 from visualspeech.evaluation.statistics import BootstrapSettings
 
 BOOTSTRAP = BootstrapSettings(300, 0.95, 1)
@@ -50,17 +50,76 @@ def all_signs(differences):
     return np.mean(np.array(sums) >= own_sum - 1e-12), np.mean(np.array(ranked) >= own_rank)
 
 
+def exchanged(metric, first, second):
+    """Every exchange of utterances between two rows, counted one by one: twice the smaller tail."""
+    found = []
+    for swaps in product((False, True), repeat=len(first)):
+        swap = np.array(swaps)[:, None]
+        rows = np.where(swap, second, first), np.where(swap, first, second)
+        figures = [metric.cost(float(metric.value(one.sum(axis=0)))) for one in rows]
+        found.append(figures[0] - figures[1])
+    own, found = found[0], np.array(found)
+    return min(1.0, 2 * min(np.mean(found >= own - 1e-12), np.mean(found <= own + 1e-12)))
+
+
 @pytest.mark.parametrize("seed", range(4))
 def test_p_values_are_those_of_all_changes_of_signs(seed):
     differences = np.random.default_rng(seed).normal(0.4, 1.0, size=9)
     by_sum, by_rank = all_signs(differences)
-    assert signed_rank(differences) == pytest.approx(by_rank)
-    assert sign_permutation(differences, ComparisonSettings("permutation")) == pytest.approx(by_sum)
+    assert signed_rank(differences).p == pytest.approx(by_rank)
+    assert signed_rank(-differences) == (signed_rank(differences).p, -signed_rank(differences).direction)
+    # The same through the figures of two rows: an exchange of an utterance changes the sign of its difference.
+    frames = np.full(9, 20.0)
+    first, second = np.column_stack([3 + differences, frames]), np.column_stack([np.full(9, 3.0), frames])
+    found = exchange_test(METRICS["rmse_shape"], first, second, ComparisonSettings("permutation"))
+    assert found == (pytest.approx(by_sum), np.sign(differences.sum()))
+
+
+@pytest.mark.parametrize("name", ["gv_ratio", "ccc"])
+@pytest.mark.parametrize("seed", range(3))
+def test_what_is_no_sum_over_utterances_is_tested_as_the_figure_of_the_corpus(name, seed):
+    generator = np.random.default_rng(seed)
+    tables = [statistics(np.ones(8), generator.uniform(0.2, 0.9, 8), generator.uniform(0.2, 1.6, 8)) for _ in range(2)]
+    both = [statistics_of(table, METRICS[name]) for table in tables]
+    found = exchange_test(METRICS[name], *both, ComparisonSettings(permutations=300))
+    assert found.p == pytest.approx(exchanged(METRICS[name], *both))
+    figures = [METRICS[name].cost(corpus_figure(table, name)) for table in tables]
+    assert found.direction == np.sign(figures[0] - figures[1])
+
+
+def test_a_variance_that_is_wrong_by_turns_is_not_better_than_a_steady_one():
+    """.4 and 1.6 by turns are 1 over the corpus, farther from 1 in each utterance than a steady .8."""
+    turns = statistics(np.ones(40), gv=np.resize([0.4, 1.6], 40))
+    steady = statistics(np.ones(40), gv=0.8)
+    (line,) = compare(of({"turns": turns, "steady": steady}), ["gv_ratio"], None, BOOTSTRAP).itertuples()
+    assert (line.first, line.first_value, line.second_value) == ("turns", pytest.approx(1), pytest.approx(0.8))
+    assert line.better == "" and line.p > 0.01
+    # A ratio that is better in every utterance is better.
+    (line,) = compare(
+        of({"steady": steady, "low": statistics(np.ones(40), gv=np.linspace(0.5, 0.6, 40))}),
+        ["gv_ratio"],
+        None,
+        BOOTSTRAP,
+    ).itertuples()
+    assert line.better == "steady" and line.p < 0.001
+
+
+def test_figure_and_test_must_agree_in_direction():
+    """A little better in most utterances and much worse in some: ranks and sums point in opposite directions."""
+    base = np.linspace(2, 3, 60)
+    mostly = np.where(np.arange(60) < 48, base - 0.1, base + 2.0)
+    (line,) = compare(
+        of({"mostly": statistics(mostly), "base": statistics(base)}), ["rmse_shape"], None, BOOTSTRAP
+    ).itertuples()
+    assert (line.first, line.second) == ("base", "mostly")
+    assert line.p < 0.05 and line.better == ""
 
 
 def test_no_difference_is_no_finding():
-    for p in (signed_rank(np.zeros(8)), sign_permutation(np.zeros(8), ComparisonSettings("permutation"))):
-        assert p == 1.0
+    same = statistics_of(statistics(np.linspace(1, 2, 8)), METRICS["rmse_shape"])
+    assert (
+        signed_rank(np.zeros(8)) == exchange_test(METRICS["rmse_shape"], same, same, ComparisonSettings()) == (1.0, 0)
+    )
 
 
 def test_holm_by_its_definition():
@@ -76,7 +135,7 @@ def test_holm_by_its_definition():
 def test_holm_keeps_the_error_rate_of_the_family():
     """With every null hypothesis true, a false finding in about one family of twenty."""
     generator = np.random.default_rng(2)
-    wrong = [(holm([signed_rank(generator.normal(size=12)) for _ in range(8)]) < 0.05).any() for _ in range(200)]
+    wrong = [(holm([signed_rank(generator.normal(size=12)).p for _ in range(8)]) < 0.05).any() for _ in range(200)]
     assert np.mean(wrong) < 0.05 + 3 * np.sqrt(0.05 * 0.95 / 200)
 
 

@@ -1,7 +1,6 @@
 """Table 3: who is chosen by what, and that gains are paired."""
 
 import numpy as np
-import pandas
 import pytest
 
 from tests.unit.evaluation.examples import hmm, measured, stack, statistics
@@ -44,11 +43,13 @@ def test_validation_chooses_among_the_candidates():
         stack("FBB-128", "FBB", 128), stack("FBB-128-s2", "FBB", 128, 2), stack("BFF-128", "BFF", 128),
         stack("FFF-128", "FFF", 128),
     ]  # fmt: skip
-    curves = {"FBB-128": [0.9, 0.5], "FBB-128-s2": [0.8, 0.3], "BFF-128": [0.39, 0.6]}
-    frames = {name: pandas.DataFrame({"validation": values}) for name, values in curves.items()}
-    assert best_cell(candidates, frames) == "BFF-128"
-    del frames["BFF-128"]
-    assert best_cell(candidates, frames) == "FBB-128"
+    errors = {"FBB-128": 0.5, "FBB-128-s2": 0.3, "BFF-128": 0.39}
+    tables = {name: statistics(np.full(3, value), 0.9 - value) for name, value in errors.items()}
+    assert best_cell(candidates, tables) == "BFF-128"
+    tables["BFF-128"] = tables["BFF-128"].assign(rmse_appearance_sum=1000.0)
+    assert best_cell(candidates, tables) == "FBB-128" and best_cell(candidates, tables, "corr") == "BFF-128"
+    del tables["BFF-128"]
+    assert best_cell(candidates, tables) == "FBB-128"
     with pytest.raises(DataError, match="no candidate"):
         best_cell(candidates, {})
 
@@ -83,7 +84,7 @@ def test_p_values_are_corrected_over_all_gains():
             network, reference = (
                 METRICS[metric].value(statistics_of(tables[name], METRICS[metric])) for name in ("FBB-128", row)
             )
-            own.append(signed_rank(network - reference))
+            own.append(signed_rank(network - reference).p)
     np.testing.assert_allclose(frame["p"].dropna(), own)
     np.testing.assert_allclose(frame["p_holm"].dropna(), holm(np.array(own)))
 
@@ -112,6 +113,19 @@ def test_layout():
     assert [row.title for row in made[2].rows] == ["HMM", "deep BLSTM"]
     text = forms.to_markdown(made)
     assert "**5.0%** \\[5.0%, 5.0%\\]" in text and "**1.122**" in text
-    assert "6.6%" in text and "lowest error on the validation" in text
+    assert "6.6%" in text and "lowest centred RMSE(appearance) on the validation" in text
     assert forms.to_latex(made).count(r"\begin{table}") == 4 and "http" not in forms.to_html_page(made, "Table 3")
     assert len(gains_tables(frame_of(None), rows(), "FBB-128", (), None, ComparisonSettings())) == 2
+
+
+def test_a_gain_is_significant_only_where_the_test_agrees():
+    base = np.linspace(2, 3, 60)
+    mostly = np.where(np.arange(60) < 48, base - 0.1, base + 2.0)
+    found = measured(
+        (stack("FBB-128", "FBB", 128), statistics(mostly)),
+        (hmm("hmm_tied", "Tied"), statistics(base)),
+        (hmm("hmm_mge", "MGE"), statistics(base + 1.0)),
+    )
+    frame = gains_frame(found, "FBB-128", ["rmse_shape"], None, None, BOOTSTRAP).set_index("row")
+    assert frame.loc["hmm_tied", "gain"] < 0 and frame.loc["hmm_tied", "p_holm"] < 0.05
+    assert frame.loc["hmm_tied", "significant"] == 0 and frame.loc["hmm_mge", "significant"] == 1

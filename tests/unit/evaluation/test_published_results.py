@@ -3,6 +3,7 @@
 import pytest
 
 from visualspeech.errors import SettingError
+from visualspeech.evaluation.metrics import METRICS
 from visualspeech.evaluation.published_results import published, published_of, shared_metrics
 
 BARE = {"source": "a paper", "corpus": "its corpus"}
@@ -11,8 +12,8 @@ BARE = {"source": "a paper", "corpus": "its corpus"}
 def test_a_paper_without_tables_is_empty():
     paper = published_of(BARE, "bare")
     assert not (paper.metrics or paper.topologies or paper.stacks or paper.gains or paper.preference)
-    assert shared_metrics(paper, ["corr"]) == ("corr",) == shared_metrics(None, ["corr"])
-    assert shared_metrics(published("fan2015"), ["corr"])[0] == "rmse_shape"
+    assert shared_metrics(paper, [METRICS["corr"]]) == ("corr",) == shared_metrics(None, [METRICS["corr"]])
+    assert shared_metrics(published("fan2015"), [METRICS["corr"]])[0] == "rmse_shape"
 
 
 def test_no_key_is_no_paper_and_an_unknown_one_is_named():

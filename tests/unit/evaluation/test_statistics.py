@@ -120,6 +120,38 @@ def test_settings_out_of_range(wrong):
 
 def test_only_errors_are_shown_as_ratios():
     rows = examples.measured(("training_mean", examples.statistics([1.0, 1.1, 1.2], corr=-0.01)))
-    summary = statistics.summarise(rows, list(METRICS), statistics.BootstrapSettings(samples=50))
+    names = [metric.name for metric in rows.metrics(METRICS)]
+    summary = statistics.summarise(rows, names, statistics.BootstrapSettings(samples=50))
     ratios = summary.set_index("metric")["ratio"].notna()
     assert set(ratios.index[ratios]) == {"rmse_shape", "rmse_texture", "rmse_appearance", "lip_distance_px"}
+
+
+def test_repetitions_are_drawn_beside_utterances():
+    """Two seeds far apart and hardly any spread over utterances: the interval is that of the seeds."""
+    generator = np.random.default_rng(10)
+    spread = 0.001 * generator.normal(size=50)
+    rows = examples.measured(
+        *((examples.stack(f"FBB-1-{s}", "FBB", 1, s), examples.statistics(mean + spread, frames=np.full(50, 10)))
+          for s, mean in ((1, 1.0), (2, 2.0), (3, 3.0))),
+    ).pooled()  # fmt: skip
+    settings = BootstrapSettings(4000, 0.95, 0)
+    drawn = statistics.draws(50, settings)
+    found = statistics.sample_row(rows, "FBB-1", METRICS["rmse_shape"], drawn, settings)
+    assert found.value == pytest.approx(2.0, abs=1e-3)
+    # The mean of three draws with replacement from 1, 2, 3 has the variance 2 / 3 / 3.
+    assert found.samples.std() == pytest.approx(np.sqrt(2 / 9), rel=0.05)
+    alone = statistics.sample(rows.tables["FBB-1"], METRICS["rmse_shape"], drawn)
+    assert alone.samples.std() < 0.01 and "utterances and seeds" in settings.text(rows)
+
+
+def test_two_rows_of_equal_seeds_are_drawn_apart():
+    tables = [examples.statistics(np.full(5, value)) for value in (1.0, 2.0)]
+    rows = examples.measured(
+        *((examples.stack(f"{letters}-1-{s}", letters, 1, s), table)
+          for letters in ("F", "B") for s, table in enumerate(tables, start=1)),
+    ).pooled()  # fmt: skip
+    drawn = statistics.draws(5, SETTINGS)
+    one, other = (
+        statistics.sample_row(rows, name, METRICS["rmse_shape"], drawn, SETTINGS).samples for name in ("F-1", "B-1")
+    )
+    assert abs(np.corrcoef(one, other)[0, 1]) < 0.1

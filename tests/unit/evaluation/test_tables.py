@@ -53,7 +53,23 @@ def test_facts_say_what_was_measured_on_what():
     assert figures.facts[:2] == FACTS and not ratios.facts
     assert "90 %" in facts["intervals"] and "200 samples" in facts["intervals"]
     assert facts["frames with undefined correlation, counted as 0"] == "Training mean 18"
-    assert len(made(TableSettings(("rmse_shape",)))[1][0].facts) == 3
+    assert len(made(TableSettings(("rmse_shape",)))[1][0].facts) == 4
+
+
+def test_each_protocol_has_tables_of_its_own():
+    found = rows()
+    tables = {name: table.assign(lip_distance_px_absolute_sum=2 * table["lip_distance_px_sum"]) for name, table in
+              found.tables.items()}  # fmt: skip
+    frame, made_tables = made(found=MeasuredRows(found.rows, tables))
+    assert [table.title.partition(":")[0] for table in made_tables[::2]] == [
+        "Objective measures, centred", "Objective measures, absolute",
+    ]  # fmt: skip
+    protocols = [dict(table.facts)["protocol"] for table in made_tables[::2]]
+    assert protocols[0].startswith("centred") and protocols[1].startswith("absolute")
+    assert made_tables[2].columns == (METRICS["lip_distance_px_absolute"].heading,)
+    assert float(frame["lip_distance_px_absolute"][0]) == pytest.approx(
+        2 * float(frame["lip_distance_px"][0]), abs=2e-3
+    )
 
 
 def test_best_is_marked_ties_too_and_the_floor_never():
@@ -72,7 +88,7 @@ def test_ratios_to_the_training_mean():
     assert cell(ratios, "FBB-128", "RMSE(shape)").text == "0.500"
     assert cell(ratios, "Training mean", "RMSE(shape)").text == "1.000"
     assert cell(ratios, "FBB-128", "CORR").text == "" == frame["corr_ratio"][0]
-    assert "only by chance" in ratios.notes[0] and ratios.title.endswith("ratio to the training mean")
+    assert "no correlation" in ratios.notes[0] and ratios.title.endswith("ratio to the training mean")
 
 
 def test_settings_choose_metrics_and_digits():
@@ -119,7 +135,7 @@ def test_tsv_is_read_by_others(tmp_path):
     frame, tables = made()
     (tmp_path / "t.tsv").write_text(all_forms(frame, tables, "t")[0], encoding="utf-8")
     table = pandas.read_csv(tmp_path / "t.tsv", sep="\t", comment="#", index_col="row")
-    assert table.loc["FBB-128", "corr"] == 0.7 and len(table.columns) == len(PARTS) * len(TableSettings().metrics)
+    assert table.loc["FBB-128", "corr"] == 0.7 and len(table.columns) == len(PARTS) * 6
     assert table.loc["FBB-128", "rmse_shape_low"] < table.loc["FBB-128", "rmse_shape"]
 
 

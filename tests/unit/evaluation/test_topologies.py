@@ -8,6 +8,8 @@ from visualspeech.errors import DataError
 from visualspeech.evaluation import forms
 from visualspeech.evaluation.published_results import published
 from visualspeech.evaluation.topologies import (
+    MIN_CORRELATION,
+    MIN_VARIANCE,
     agreement,
     inferred_training_mean,
     is_collapsed,
@@ -19,8 +21,8 @@ PAPER = published("fan2015")
 FRAMES = np.arange(10, 15)
 
 
-def of(rmse, corr):
-    return statistics(rmse * (1 + 0.1 * np.arange(5)), corr, frames=FRAMES)
+def of(rmse, corr, gv=0.5):
+    return statistics(rmse * (1 + 0.1 * np.arange(5)), corr, gv, frames=FRAMES)
 
 
 MEAN = measured(("training_mean", of(1.0, 0.0)))
@@ -29,7 +31,7 @@ MEAN = measured(("training_mean", of(1.0, 0.0)))
 def rows():
     return measured(
         (stack("FBB-128", "FBB", 128), of(0.7, 0.75)),
-        (stack("FFF-128", "FFF", 128), of(0.999, 0.02)),
+        (stack("FFF-128", "FFF", 128), of(0.999, 0.4, 0.001)),
         (stack("FBB-256", "FBB", 256), of(0.72, 0.74)),
         (stack("FBB-128-s2", "FBB", 128, 2), of(0.8, 0.70)),
         (stack("FFF-128-s2", "FFF", 128, 2), of(0.8, 0.5)),
@@ -74,19 +76,25 @@ def test_published_cells_that_collapsed_are_those_without_correlation():
 
 
 def test_a_constant_prediction_is_collapsed_and_a_poor_one_is_not():
-    """By the second route: figures of a real constant prediction, of noise about it, and of half the truth."""
+    """By the second route: figures of a real constant prediction, of one that hardly moves, and of some truth."""
     generator = np.random.default_rng(0)
     truth = generator.normal(size=(400, 12)) * np.linspace(3, 0.5, 12)
+    truth -= truth.mean(axis=0)
 
     def figures(predicted):
         rmse = np.sqrt(((predicted - truth) ** 2).mean(axis=1)).mean()
         return np.mean([np.corrcoef(a, b)[0, 1] for a, b in zip(predicted, truth, strict=True)]), rmse
 
-    mean = figures(np.tile(truth.mean(axis=0) + 1e-3, (400, 1)))[1]
-    constant = np.tile(truth.mean(axis=0) + 0.02 * generator.normal(size=12), (400, 1))
-    for predicted, expected in ((constant, True), (0.3 * truth + 0.01 * constant, False)):
+    mean = figures(1e-9 * generator.normal(size=truth.shape))[1]
+    still = 0.02 * generator.normal(size=12)
+    for predicted, expected in ((np.tile(still, (400, 1)), True), (0.3 * truth, False)):
         corr, rmse = figures(predicted)
-        assert is_collapsed(corr, rmse / mean) is expected
+        assert is_collapsed(corr, MIN_CORRELATION, rmse / mean) is expected
+    # What is centred correlates however little it moves, so its variance decides.
+    for predicted, expected in ((0.01 * truth, True), (0.3 * truth, False)):
+        corr, rmse = figures(predicted)
+        assert corr == pytest.approx(1)
+        assert is_collapsed(predicted.var() / truth.var(), MIN_VARIANCE, rmse / mean) is expected
 
 
 def test_seeds_are_averaged_and_collapsed_ones_counted():

@@ -3,7 +3,7 @@
 import numpy as np
 import torch
 
-from visualspeech.models.checkpoints import read_checkpoint, write_checkpoint
+from visualspeech.models.checkpoints import COUNTS, ERRORS, read_checkpoint, write_checkpoint
 from visualspeech.models.training import _start
 from visualspeech.models.training_settings import training_settings
 from visualspeech.storage.models import write_model
@@ -17,7 +17,8 @@ def state(optimiser="adam", updates=3):
         result.optimiser.zero_grad()
         result.module(torch.ones(1, 2)).sum().backward()
         result.optimiser.step()
-    result.best_error, result.best_epoch, result.since_decay, result.updates = 0.5, 2, 1, updates
+    result.best_error, result.best_epoch, result.improved_error, result.improved_epoch = 0.5, 2, 0.6, 1
+    result.since_decay, result.updates = 1, updates
     result.curve = [(1, 3.0, 2.0, 0.1), (2, 1.0, 0.5, 0.1)]
     result.optimiser.param_groups[0]["lr"] = 0.005
     return result
@@ -34,7 +35,7 @@ def test_everything_comes_back(tmp_path):
         for name in ("module", "average"):
             for one, other in zip(getattr(before, name).parameters(), getattr(after, name).parameters(), strict=True):
                 assert torch.equal(one, other)
-        for name in ("best_error", "best_epoch", "since_decay", "updates", "curve"):
+        for name in (*ERRORS, *COUNTS, "curve"):
             assert getattr(after, name) == getattr(before, name)
         assert after.optimiser.param_groups[0]["lr"] == 0.005
         for one, other in zip(before.optimiser.state.values(), after.optimiser.state.values(), strict=True):

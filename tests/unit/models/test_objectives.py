@@ -4,10 +4,13 @@ import numpy as np
 import pytest
 import torch
 
-from visualspeech.models.objectives import OBJECTIVES
+from visualspeech.models.objectives import objective_of
 from visualspeech.models.training_settings import OBJECTIVES as NAMES
+from visualspeech.models.training_settings import training_settings
 
 LENGTHS = (9, 7, 4)
+WEIGHT = 0.3  # of the offset
+OBJECTIVES = {name: objective_of(training_settings(objective=name, offset_weight=WEIGHT)) for name in NAMES}
 
 
 def made(seed=0, lengths=LENGTHS, width=3, fill=0.0):
@@ -41,8 +44,14 @@ def concordance(x, y):
     return 2 * covariance / (var_x + var_y + (mean_x - mean_y) ** 2)
 
 
-def slow(name, predicted, true):
-    """The value over frames (T, N) by definition."""
+def slow(name, predicted, true, lengths=()):
+    """The value over frames (T, N) of utterances of ``lengths`` frames by definition."""
+    if name == "sse_centred":
+        total, errors = 0.0, np.split(predicted - true, np.cumsum(lengths)[:-1])
+        for error in errors:
+            mean = sum(error) / len(error)
+            total += sum(float(np.sum((frame - mean) ** 2)) for frame in error) + WEIGHT * len(error) * mean @ mean
+        return total / 2 / len(true)
     if name == "sse":
         return 0.5 * sum(float(value) ** 2 for value in (predicted - true).ravel()) / len(true)
     if name == "mse":
@@ -57,8 +66,17 @@ def value(name, corpus):
     return objective.value(sums, sum(int(batch[2].sum()) for batch in corpus))
 
 
-def test_every_objective_that_settings_name_is_there():
-    assert tuple(OBJECTIVES) == NAMES
+def test_an_offset_of_an_utterance_counts_by_its_weight_alone():
+    predicted, true, lengths = made()
+    inside = (torch.arange(max(LENGTHS)) < lengths[:, None])[..., None]
+    moved = predicted + inside * torch.tensor([[[3.0]], [[-2.0]], [[0.5]]])
+    for weight, same in ((0.0, True), (WEIGHT, False)):
+        objective = objective_of(training_settings(objective="sse_centred", offset_weight=weight))
+        losses = [objective.loss(one, true, lengths).item() for one in (predicted, moved)]
+        assert (losses[0] == pytest.approx(losses[1], rel=1e-12)) == same
+    plain, whole = (training_settings(objective=name, offset_weight=1.0) for name in ("sse", "sse_centred"))
+    losses = [objective_of(one).loss(predicted, true, lengths).item() for one in (plain, whole)]
+    assert losses[0] == pytest.approx(losses[1], rel=1e-12)
 
 
 def test_error_is_half_the_sum_of_squares():
@@ -86,14 +104,14 @@ def test_the_loss_of_a_batch_is_its_value(name):
     batch = made()
     loss = OBJECTIVES[name].loss(*batch).item()
     per_frame = sum(LENGTHS) if OBJECTIVES[name].additive else 1
-    assert loss / per_frame == pytest.approx(slow(name, *frames_of(batch)), rel=1e-9)
+    assert loss / per_frame == pytest.approx(slow(name, *frames_of(batch), LENGTHS), rel=1e-9)
 
 
 @pytest.mark.parametrize("name", sorted(OBJECTIVES))
 def test_the_value_over_a_corpus_is_that_of_all_its_frames(name):
     corpus = [made(1), made(2, (5, 2)), made(3, (12,))]
     x, y = (np.concatenate(side) for side in zip(*(frames_of(batch) for batch in corpus), strict=True))
-    assert value(name, corpus) == pytest.approx(slow(name, x, y), rel=1e-9)
+    assert value(name, corpus) == pytest.approx(slow(name, x, y, (*LENGTHS, 5, 2, 12)), rel=1e-9)
 
 
 def test_concordance_over_a_corpus_is_no_mean_over_batches():

@@ -1,0 +1,113 @@
+"""The table of articulation: closures of the lips and their opening over time, for every row of a system."""
+
+from collections.abc import Mapping, Sequence
+
+from visualspeech.evaluation.articulation import ARTICULATION, CLOSURES, MARGIN, PERCENTILE, Closure, recorded_closures
+from visualspeech.evaluation.layout import Cell, Row, Table, best_of, definitions_of, interval, shown
+from visualspeech.evaluation.measured import MeasuredRows
+from visualspeech.evaluation.metrics import is_measured
+from visualspeech.evaluation.statistics import NO_FIGURE, BootstrapSettings, Figure, draws, figure, sample
+
+#: Columns of the TSV file for each measure; ``value`` is the measure's own name.
+PARTS = ("value", "low", "high")
+RECORDED = "recorded"
+LAG_DIGITS = 1  # of milliseconds
+
+
+def articulation_tables(
+    measured: MeasuredRows,
+    closures: Sequence[Closure],
+    facts: Sequence[tuple[str, str]],
+    digits: int = 3,
+    bootstrap: BootstrapSettings | None = None,
+):
+    """The table as a data frame and for readers; cells are empty for a visual coding that holds no inner lips.
+
+    Parameters
+    ----------
+    measured : rows whose tables may hold :func:`visualspeech.evaluation.articulation.articulation`
+    closures : thresholds of the speaker
+    facts : what the figures were computed on (:meth:`visualspeech.evaluation.facts.TableFacts.lines`)
+
+    Returns
+    -------
+    tuple
+        a data frame with a line per row, the last one of the recorded faces, and for each measure the columns
+        ``metric``, ``metric_low``, ``metric_high`` as text; and one :class:`Table`
+    """
+    bootstrap = bootstrap or BootstrapSettings()
+    drawn = draws(measured.utterances, bootstrap)
+    figures = {
+        (row, name): figure(sample(table, metric, drawn), bootstrap.level) if is_measured(table, metric) else NO_FIGURE
+        for row, table in measured.tables.items()
+        for name, metric in ARTICULATION.items()
+    }
+    first = next(iter(measured.tables.values()))
+    known = recorded_closures(first) if is_measured(first, ARTICULATION["opening_corr"]) else {}
+    figures |= {(RECORDED, name): NO_FIGURE for name in ARTICULATION}
+    figures |= {(RECORDED, f"closure_{name}"): Figure(value, *[float("nan")] * 2) for name, value in known.items()}
+    cells = {key: _text(value, LAG_DIGITS if key[1] == "opening_lag" else digits) for key, value in figures.items()}
+    kinds = [(row.name, row.title, row.role) for row in measured.rows] + [(RECORDED, "Recorded faces", "floor")]
+    compared = [name for name, _, role in kinds if role != "floor"]
+    best = {
+        (row, name)
+        for name, metric in ARTICULATION.items()
+        for row in best_of(metric, {row: cells[row, name]["value"] for row in compared})
+    }
+    rows = tuple(
+        Row(
+            title,
+            tuple(
+                Cell(cell["value"], interval(cell["low"], cell["high"]), best=(row, name) in best)
+                for name in ARTICULATION
+                for cell in (cells[row, name],)
+            ),
+            role,
+        )
+        for row, title, role in kinds
+    )
+    table = Table(
+        "Articulation",
+        tuple(metric.heading for metric in ARTICULATION.values()),
+        rows,
+        facts=(*facts, *_occurrences(first, known), ("intervals", bootstrap.text(measured))),
+        notes=(
+            "The best value in each column is bold.",
+            "From decoded points of the lips; means of utterances are not removed. "
+            f"An occurrence lasts from {1000 * MARGIN:g} ms before a phone to {1000 * MARGIN:g} ms after it.",
+            *_thresholds(closures),
+        ),
+        definitions=definitions_of(tuple(ARTICULATION.values())),
+    )
+    return _frame([row for row, _, _ in kinds], cells), (table,)
+
+
+def _text(given: Figure, digits: int) -> dict[str, str]:
+    return {part: shown(getattr(given, part), digits) for part in PARTS}
+
+
+def _occurrences(table, known: Mapping) -> tuple[tuple[str, str], ...]:
+    if not known:
+        return ()
+    counts = ", ".join(f"{int(table[f'{name}_occurrences'].sum())} of {CLOSURES[name]}" for name in known)
+    return (("test occurrences", counts),)
+
+
+def _thresholds(closures: Sequence[Closure]) -> tuple[str, ...]:
+    known = [one for one in closures if one.occurrences]
+    if not known:
+        return ("The visual coding has no inner lips, or no such phone occurs in the training utterances.",)
+    limits = ", ".join(
+        f"{one.threshold:.2f} px ({CLOSURES[one.name]}; {one.occurrences} training occurrences)" for one in known
+    )
+    return (f"Thresholds, the {PERCENTILE}th percentiles of the recorded training occurrences: {limits}.",)
+
+
+def _frame(rows: Sequence[str], cells: Mapping):
+    import pandas
+
+    columns = {"row": list(rows)}
+    for name in ARTICULATION:
+        for part in PARTS:
+            columns[name if part == "value" else f"{name}_{part}"] = [cells[row, name][part] for row in rows]
+    return pandas.DataFrame(columns)
