@@ -22,7 +22,8 @@ from visualspeech.corpora.grid import utterances
 from visualspeech.errors import RejectedUtterance
 from visualspeech.media.reading import read_audio
 from visualspeech.speech.forced_alignment import Aligner, AlignmentSettings
-from visualspeech.speech.recognition import RATE, speech_part, to_int16
+from visualspeech.speech.recognition import RATE, speech_part
+from visualspeech.speech.sound import to_int16
 
 OTHER = (
     "She sells sea shells by the shore.",

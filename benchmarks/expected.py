@@ -23,7 +23,7 @@ from typing import NamedTuple
 
 from visualspeech.errors import StorageError, VisualSpeechError
 from visualspeech.evaluation.metrics import METRICS
-from visualspeech.models.registry import FAMILIES
+from visualspeech.models.families import FAMILIES
 from visualspeech.storage.files import read_text, write_text
 from visualspeech.storage.models import read_model_settings
 

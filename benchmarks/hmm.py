@@ -15,7 +15,7 @@ from pathlib import Path
 
 from benchmarks.command import run_main
 from benchmarks.runs import VARIANTS, CorpusRun, SystemRun, fit_hmm, rmse_and_corr
-from visualspeech.models.hmm.family import HmmModel, track_of
+from visualspeech.models.hmm.family import HmmModel, Tracks
 from visualspeech.models.hmm.mge import generation_error
 
 
@@ -61,10 +61,7 @@ def _later(setting: str, variant: str) -> bool:
 
 def _figures(model: HmmModel, training, validation) -> str:
     rmse, corr = rmse_and_corr(model, validation)
-    errors = [
-        generation_error(model.hmm, [(track_of(streams[0]), target, rate) for streams, target, rate in part])
-        for part in (training, validation)
-    ]
+    errors = [generation_error(model.hmm, Tracks(part, model.blocks)) for part in (training, validation)]
     return (
         f"RMSE(appearance) {rmse:.3f}, CORR {corr:.4f}, {model.hmm.tying.gaussians} Gaussians, "
         f"generation error {errors[0]:.0f} training, {errors[1]:.0f} validation"

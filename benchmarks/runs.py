@@ -17,9 +17,10 @@ from visualspeech.evaluation.scoring import frame_correlation, frame_rmse
 from visualspeech.face.head import HeadModel
 from visualspeech.features.blocks.base import Block
 from visualspeech.features.examples import Example, Examples, opened_blocks
+from visualspeech.models.families import FAMILIES
 from visualspeech.models.hmm.family import HmmModel
 from visualspeech.models.hmm.model import HmmSettings
-from visualspeech.models.registry import FAMILIES, load_model
+from visualspeech.models.registry import load_model
 from visualspeech.models.rows import ModelRow
 from visualspeech.models.task import Model, Task
 from visualspeech.speech.alignment import Alignment, read_alignments
@@ -213,10 +214,10 @@ def fit_hmm(
     own = {key: value for key, value in asdict(settings).items() if key != "seed"}
     row = ModelRow(settings.variant, settings.variant, "hmm", own, tuple(blocks), seed=settings.seed)
     with TemporaryDirectory() as folder:
-        path = Path(folder, "parent.safetensors") if parent else None
+        paths = [Path(folder, "parent.safetensors")] if parent else []
         if parent:
-            parent.save(path)
-        fitted = import_module(FAMILIES["hmm"].module).fit(Task(row, blocks, training, validation, parent=path))
+            parent.save(paths[0])
+        fitted = import_module(FAMILIES["hmm"].module).fit(Task(row, blocks, training, validation, parents=paths))
     return fitted.model
 
 

@@ -33,21 +33,23 @@ from visualspeech.face.aam.model import Aam
 from visualspeech.face.aam.reference import Reference, texture_image
 from visualspeech.face.head import HeadModel
 from visualspeech.features.blocks.base import Source
-from visualspeech.features.blocks.phone_track import PhoneTrack
+from visualspeech.features.blocks.phone_track import PhoneTrack, PhoneTrackSettings
 from visualspeech.features.blocks.triphone_state import TriphoneState
 from visualspeech.features.examples import Example
-from visualspeech.models import lookup, mean
+from visualspeech.models import ensemble, gv_compensation, lookup, mean, stack
 from visualspeech.models.hmm import family as hmm
 from visualspeech.models.registry import load_model
 from visualspeech.models.rows import ModelRow
 from visualspeech.models.task import Task
 from visualspeech.provenance import file_digest
+from visualspeech.speech.sound import RATE, Sound
 from visualspeech.speech.spoken import timed
 from visualspeech.storage.arrays import ArrayReader
 from visualspeech.storage.models import read_model, write_model
 
 PHONES = ("sil", "aa", "b", "iy", "m", "s")
-FAMILIES = ("stack", "hmm", "lookup", "mean")
+#: One of each family, a stack that reads sound, and a network of convolutions with dynamic outputs.
+MODELS = ("stack", "convolutions", "hmm", "lookup", "mean", "ensemble", "gv_compensation", "sound")
 WHOLE = 0.02  # share of the cases that load a whole folder and render it
 RENDERED = 0.2  # share of the loaded folders of which a frame is rendered, which takes longest
 SLOW = {"background": 0.3, "speaker": 0.3, "rest": 0.2}  # weights of parts whose cases take longest; others have 1
@@ -64,30 +66,41 @@ class Outcome(NamedTuple):
 
 
 def make(folder: Path) -> Path:
-    """Write a small speaker with a model of every family (``model_<family>.safetensors``); returns its folder."""
+    """Write a small speaker with a model of every family (``model_<name>.safetensors``); returns its folder."""
     made = speakers.make(Path(folder) / "speaker", PHONES)
     bundle, coding = SpeakerBundle.load(made), file_digest(made / FILES["aam"])
     shutil.copyfile(made / FILES["model"], made / "model_stack.safetensors")
+    shutil.copyfile(made / FILES["sound"], made / "model_sound.safetensors")
     spread, random = np.sqrt(bundle.speaker.aam.appearance_variances), np.random.default_rng(0)
 
-    def task(family, settings, block, parent=None):
-        examples = []
+    def task(family, settings, *kinds, parents=(), options=None):
+        blocks, examples = {block.kind: block for block in kinds}, []
         for _ in range(6):
             alignment = spoken(random.permutation(PHONES[1:]))
-            stream = next(iter(block.encode([Source(25, 25.0, alignment)])))
+            streams = tuple(next(iter(block.encode([Source(25, 25.0, alignment)]))) for block in kinds)
             target = bundle.rest + 0.3 * spread * random.normal(size=(25, len(bundle.rest)))
-            examples.append(Example((stream,), target.astype(np.float32), 25.0))
-        row = ModelRow("model", "Model", family, settings, ("block",))
-        return Task(row, {"block": block}, examples, examples, coding, parent)
+            examples.append(Example(streams, target.astype(np.float32), 25.0))
+        row = ModelRow("model", "Model", family, settings, tuple(blocks), options or {})
+        return Task(row, blocks, examples, examples, coding, parents)
 
-    small = {"states": 2, "rate": 50.0, "min_frames": 2.0, "mdl_factor": 0.01, "untied_iterations": 1}
+    # HMMs with all that a file of them can hold: phones divided at the times of their states.
+    track = PhoneTrack(PHONES, PhoneTrackSettings("aligned"))
+    small = {"states": 3, "rate": 50.0, "min_frames": 2.0, "mdl_factor": 0.01, "untied_iterations": 1}
     hmm.fit(task("hmm", {**small, "variant": "monophone"}, PhoneTrack(PHONES))).model.save(made / "parent.safetensors")
-    tied = task("hmm", {**small, "variant": "tied"}, PhoneTrack(PHONES), made / "parent.safetensors")
+    tied = task("hmm", {**small, "variant": "tied"}, track, parents=[made / "parent.safetensors"])
     hmm.fit(tied).model.save(made / "model_hmm.safetensors")
     settings = {"context": "triphone", "min_count": 2}
     lookup.fit(task("lookup", settings, TriphoneState(PHONES))).model.save(made / "model_lookup.safetensors")
     mean.fit(task("mean", {}, TriphoneState(PHONES))).model.save(made / "model_mean.safetensors")
     (made / "parent.safetensors").unlink()
+    settings = {"letters": "FC", "nodes": 4, "trajectory": "mlpg"}
+    convolutions = task("stack", settings, TriphoneState(PHONES), options={"max_epochs": 2})
+    stack.fit(convolutions).model.save(made / "model_convolutions.safetensors")
+    members = [made / f"model_{name}.safetensors" for name in ("convolutions", "hmm", "lookup")]
+    blocks = TriphoneState(PHONES), PhoneTrack(PHONES)
+    ensemble.fit(task("ensemble", {}, *blocks, parents=members)).model.save(made / "model_ensemble.safetensors")
+    compensation = task("gv_compensation", {}, *blocks, parents=[made / "model_ensemble.safetensors"])
+    gv_compensation.fit(compensation).model.save(made / "model_gv_compensation.safetensors")
     return made
 
 
@@ -112,7 +125,7 @@ class _Stage:
         self.source, self.work = source, shutil.copytree(source, work)
         self.whole = SpeakerBundle.load(source)
         self.about = json.loads((source / DESCRIPTION).read_text())
-        self.models = {family: source / f"model_{family}.safetensors" for family in FAMILIES}
+        self.models = {name: source / f"model_{name}.safetensors" for name in MODELS}
         self.altered: set[str] = set()  # files in the folder that are not as they were
         self.sound = {name: (source / name).read_bytes() for name in (*FILES.values(), DESCRIPTION)}
         names = ("aam", "reference", "head", "rest")
@@ -126,7 +139,7 @@ class _Stage:
         weights = np.array([SLOW.get(name, 1.0) for name in parts])
         part = str(random.choice(parts, p=weights / weights.sum()))
         file = {"background": FILES["background"], "speaker": DESCRIPTION}.get(part)
-        path = self.work / (file or FILES.get(part, FILES["model"]))
+        path = self.work / (file or FILES.get(part, FILES["model"]))  # `sound` is a part of the folder, too
         whole = part in ("speaker", "rest") or random.random() < WHOLE
         for name in self.altered if whole else ():
             (self.work / name).write_bytes(self.sound[name])
@@ -169,7 +182,7 @@ class _Stage:
     def _use_part(self, part: str, path: Path, random: np.random.Generator) -> bool:
         """Load one altered part beside the sound others, check it with them, and use it."""
         whole, speaker = self.whole, self.whole.speaker
-        if part in FAMILIES:
+        if part in MODELS:
             trained = load_model(path)
             try:
                 check_together(trained, speaker, self.about["parts"]["aam"], PHONES)
@@ -209,11 +222,12 @@ class _Stage:
         bundle = SpeakerBundle.load(self.work)
         if random.random() < RENDERED and next(speaking_frames(bundle.rest[None], bundle)).dtype != np.uint8:
             return False
-        return _speaks(bundle.trained, bundle.rest)
+        return _speaks(bundle.trained, bundle.rest) and (bundle.sound is None or _speaks(bundle.sound, bundle.rest))
 
 
 def _speaks(model, rest: np.ndarray) -> bool:
-    predicted = face_of(spoken(PHONES[1:]), 12, model, rest, 0.1)
+    samples = np.random.default_rng(1).normal(0, 3000, RATE).astype(np.int16)
+    predicted = face_of(spoken(PHONES[1:]), 12, model, rest, 0.1, Sound(samples), 0.1)
     return bool(np.isfinite(predicted).all())
 
 

@@ -15,7 +15,8 @@ from unittest import mock
 from tests.paths import REPOSITORY
 from visualspeech.errors import SettingError
 from visualspeech.features.blocks.base import block_kinds
-from visualspeech.models.registry import FAMILIES, entry_schema
+from visualspeech.models.entries import entry_schema
+from visualspeech.models.families import FAMILIES
 from visualspeech.planning import run, systems
 from visualspeech.planning.systems import block_schema
 from visualspeech.schema import load_schema

@@ -111,13 +111,21 @@ def _speak(given: argparse.Namespace) -> None:
     from visualspeech.animation.speaking import speak
     from visualspeech.animation.speaking_settings import SpeakSettings
     from visualspeech.animation.walk import WalkSettings
-    from visualspeech.speech.spoken import speak_recording, speak_text
+    from visualspeech.models.inventory import needs_of_model
+    from visualspeech.speech.spoken import speak_recording, speak_sound, speak_text
 
     bundle = SpeakerBundle.load(given.model)
     if given.audio:
-        if text is None:
-            log.info("the lips follow recognised phones; for better ones, give what is said with --text")
-        spoken = speak_recording(given.audio, text, bundle.trained.rate, shares=bundle.shares)
+        bundle = bundle.for_recordings() if text is None else bundle
+        rate = bundle.trained.rate
+        if bundle.reads_sound_alone:
+            log.info("the lips follow the sound of the recording (model %s)", bundle.model)
+            spoken = speak_sound(given.audio, rate, text or "")
+        else:
+            if text is None:
+                log.info("the lips follow recognised phones; for better ones, give what is said with --text")
+            listens = "audio" in needs_of_model(bundle.trained)
+            spoken = speak_recording(given.audio, text, rate, shares=bundle.shares, with_sound=listens)
         voice = f"recording {given.audio.name}, as given"
     else:
         spoken = speak_text(text, voice_settings, bundle.shares)

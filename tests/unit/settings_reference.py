@@ -9,7 +9,8 @@ from visualspeech.animation.walk import WalkSettings
 from visualspeech.corpora.demo.recording import DemoSettings
 from visualspeech.features.blocks.base import block_kinds
 from visualspeech.fields import section_schema
-from visualspeech.models.registry import ENTRY, FAMILIES, entry_schema
+from visualspeech.models.entries import ENTRY, entry_schema
+from visualspeech.models.families import FAMILIES
 from visualspeech.models.training_settings import PRESETS
 from visualspeech.planning.systems import block_schema
 from visualspeech.schema import load_schema

@@ -239,7 +239,10 @@ def selected(changes):
             system("blocks: {tri: {kind: triphone}}"),
             rf"`{FAN}.blocks.tri.kind: triphone` must be one of label_parts, p",
         ),
-        (system("blocks: {tri: {size: 1}}"), f"unknown setting `{FAN}.blocks.tri.size`. Known here: kind."),
+        (
+            system("blocks: {tri: {size: 1}}"),
+            f"unknown setting `{FAN}.blocks.tri.size`. Known here: fractional, kind, states.",
+        ),
         (system("blocks: {x: {}}"), f"`{FAN}.blocks.x` lacks `kind`. Kind of input block."),
         (system("blocks: {x: 3}"), f"`{FAN}.blocks.x: 3` must be lines of `key: value`. Kind and settings of a block"),
         (

@@ -15,7 +15,9 @@ from tests.unit.planning.configs import config, resolved
 from visualspeech.errors import SettingError
 from visualspeech.features.blocks.base import block_kinds
 from visualspeech.fields import Settings, section_schema
-from visualspeech.models.registry import FAMILIES, MOST_ROWS, entry_schema
+from visualspeech.models.entries import entry_schema
+from visualspeech.models.families import FAMILIES
+from visualspeech.models.registry import MOST_ROWS
 from visualspeech.planning.run import resolve
 from visualspeech.planning.systems import block_schema
 from visualspeech.schema import load_schema

@@ -2,15 +2,18 @@
 
 import shutil
 
+import numpy as np
 import pytest
 import yaml
 
 from tests.workflow.running import TINY, of_system, overlay, planned_rules, snakemake
+from visualspeech.models.registry import load_model
+from visualspeech.storage.arrays import ArrayReader
 from visualspeech.storage.tables import read_table
 
 pytestmark = pytest.mark.xdist_group("workflow")
 
-#: A second system by settings alone: another topology, another rate, no HMMs, on the same coding.
+#: A second system by settings alone: other topologies and rows, another rate, one HMM, on the same coding.
 SECOND = {
     "name": "second",
     "extends": "fan2015",
@@ -18,13 +21,19 @@ SECOND = {
     "rate": 50,
     "models": {
         "nets": {"letters": ["F"], "nodes": [8]},
-        "hmm_monophone": None,
+        "nets_thirds": None,
+        "convolutions": {"like": "nets", "letters": ["CF"], "trajectory": "mlpg", "suffix": "mlpg"},
+        "mix": {"family": "ensemble", "members": ["nets", "convolutions", "hmm_monophone"]},
+        "articulated": {"family": "gv_compensation", "from": "mix"},
         "hmm_tied": None,
         "hmm_mge": None,
     },
     "tables": {"gains": {"references": []}},
-    "videos": {"model": "F-8"},
+    "videos": {"model": "articulated"},
 }
+
+
+SECOND_ROWS = ("F-8", "CF-8-mlpg", "hmm_monophone", "mix", "articulated")
 
 
 @pytest.fixture(scope="module")
@@ -71,7 +80,25 @@ def test_a_change_of_one_system_leaves_the_other_alone(two_systems, tiny_run, tm
     changed = tmp_path / "changed.yaml"
     changed.write_text(yaml.safe_dump(of_system("second", training={"dropout": 0.1})))
     done = snakemake(tiny_run, "--dry-run", "models", configfiles=(*files, changed))
-    assert done.stdout.count("rule train_model:") == 1 and "second/models/F-8/model.safetensors" in done.stdout
+    trained = {row for row in SECOND_ROWS if f"second/models/{row}/learning_curve.tsv" in done.stdout}
+    # The networks, and the rows that are made of them; not the HMM that is a member beside them.
+    assert trained == {"F-8", "CF-8-mlpg", "mix", "articulated"} and done.stdout.count("rule train_model:") == 4
+
+
+def test_rows_that_are_made_of_others_are_rows_of_the_tables(two_systems):
+    corpus, _, _ = two_systems
+    table = read_table(corpus / "second" / "tables" / "objective.tsv", ("row",))
+    assert set(SECOND_ROWS) < set(table["row"])
+    with ArrayReader(corpus / "second/models/mix/predictions.h5") as mixed:
+        found = {name: mixed.array(name, "appearance") for name in mixed.ids}
+    for name, mean in found.items():
+        members = []
+        for row in SECOND_ROWS[:3]:
+            with ArrayReader(corpus / f"second/models/{row}/predictions.h5") as one:
+                members.append(one.array(name, "appearance"))
+        np.testing.assert_allclose(mean, np.mean(members, axis=0, dtype=np.float64), rtol=1e-4, atol=1e-3)
+    model = load_model(corpus / "second/models/articulated/model.safetensors")
+    assert (list(model.blocks), model.rate) == (["tri", "track"], 50.0)
 
 
 def two_speakers(tiny_run, folder):

@@ -1,13 +1,14 @@
 """Speaker bundles: one self-contained folder with everything needed to synthesise a talking head of a speaker.
 
 The parts are ``model.safetensors``, ``aam.safetensors``, ``reference.safetensors``, ``head.safetensors``,
-``rest.safetensors`` (the face at rest) and ``background.h5``. ``speaker.json`` holds the digest of each part, the
-phones, the average shares of their states, and whose face it is. The folder can be moved and shared.
+``rest.safetensors`` (the face at rest), ``background.h5`` and, where the system has one, ``sound.safetensors``: a model
+that reads sound alone, for recordings without a text. ``speaker.json`` holds the digest of each part, the phones, the
+average shares of their states, and whose face it is. The folder can be moved and shared.
 """
 
 import json
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 import numpy as np
@@ -19,7 +20,7 @@ from visualspeech.errors import DamagedFile, DataError, StorageError, plain_reas
 from visualspeech.face.aam.model import Aam
 from visualspeech.face.aam.reference import Reference
 from visualspeech.face.head import HeadModel
-from visualspeech.models.inventory import phones_of
+from visualspeech.models.inventory import needs_of_model, phones_of
 from visualspeech.models.registry import load_model
 from visualspeech.models.task import Model
 from visualspeech.provenance import file_digest
@@ -28,11 +29,12 @@ from visualspeech.storage.layouts import PHONES, RATE, TEXT, Array, FileLayout, 
 from visualspeech.storage.models import read_model_of, write_model
 
 KIND = "visualspeech speaker"
-VERSION = 3
+VERSION = 4
 REMEDY = "Build the speaker again, or ask for the folder again where it was received."
 DESCRIPTION = "speaker.json"
 PARTS = ("model", "aam", "reference", "head", "rest", "background")
-FILES = {name: f"{name}.safetensors" for name in PARTS} | {"background": "background.h5"}
+SOUND = "sound"  # the part that a speaker need not have
+FILES = {name: f"{name}.safetensors" for name in (*PARTS, SOUND)} | {"background": "background.h5"}
 
 
 @dataclass(frozen=True)
@@ -46,7 +48,8 @@ class SpeakerBundle:
     background : recorded frames onto which the lower face is stitched
     rest : (N,) appearance of the face at rest
     shares : phone -> average shares of its duration that its three states take
-    corpus, model, consent : for the metadata of videos
+    sound : model that reads sound alone and speaks for recordings without a text; None where there is none
+    corpus, model, sound_model, consent : for the metadata of videos
     digest : of the whole bundle
     """
 
@@ -55,10 +58,21 @@ class SpeakerBundle:
     background: Background
     rest: np.ndarray
     shares: Mapping[str, tuple[float, ...]] = field(default_factory=dict)
+    sound: Model | None = None
     corpus: str = ""
     model: str = ""
+    sound_model: str = ""
     consent: str = ""
     digest: str = ""
+
+    @property
+    def reads_sound_alone(self) -> bool:
+        """Whether its model itself needs no text: it can show nothing but sound."""
+        return needs_of_model(self.trained) == {"audio"}
+
+    def for_recordings(self) -> "SpeakerBundle":
+        """The speaker as it speaks for a recording without a text: with its second model, where it has one."""
+        return self if self.sound is None else replace(self, trained=self.sound, model=self.sound_model, sound=None)
 
     @classmethod
     def load(cls, folder: str | Path) -> "SpeakerBundle":
@@ -73,8 +87,8 @@ class SpeakerBundle:
         """
         folder = Path(folder)
         about = _description(folder)
-        for name in PARTS:
-            path, expected = folder / FILES[name], about["parts"][name]
+        for name, expected in about["parts"].items():
+            path = folder / FILES[name]
             if not path.is_file():
                 raise StorageError(f"the speaker {folder} lacks {path.name}. Copy the whole folder, or build it again.")
             if file_digest(path) != expected:
@@ -84,6 +98,7 @@ class SpeakerBundle:
                 )
         try:
             trained = load_model(folder / FILES["model"])
+            sound = load_model(folder / FILES[SOUND]) if SOUND in about["parts"] else None
             speaker = Speaker.load(*(folder / FILES[name] for name in ("head", "aam", "reference")))
             rest = _rest(folder / FILES["rest"])
             background = Background.load(folder / FILES["background"])
@@ -91,6 +106,8 @@ class SpeakerBundle:
             raise DamagedFile(error.path, error.reason, REMEDY) from error
         try:
             check_together(trained, speaker, about["parts"]["aam"], about["phones"])
+            if sound is not None:
+                check_sound_model(sound, speaker, about["parts"]["aam"])
         except DataError as error:
             raise DataError(f"the parts of the speaker {folder} do not fit each other: {error}") from error
         if rest.shape != (trained.outputs,):
@@ -101,12 +118,14 @@ class SpeakerBundle:
         check_showable(folder, speaker, background, rest)
         return cls(
             trained=BoundedModel(trained, speaker, str(folder / FILES["model"])),
+            sound=sound and BoundedModel(sound, speaker, str(folder / FILES[SOUND])),
             speaker=speaker,
             background=background,
             rest=rest,
             shares={phone: tuple(values) for phone, values in about["state_shares"].items()},
             corpus=about["corpus"],
             model=about["model"],
+            sound_model=about["sound_model"],
             consent=about["consent"],
             digest=file_digest(folder / DESCRIPTION),
         )
@@ -146,8 +165,31 @@ def check_together(trained: Model, speaker: Speaker, aam_digest: str, phones) ->
         )
 
 
+def check_sound_model(sound: Model, speaker: Speaker, aam_digest: str) -> None:
+    """As :func:`check_together`, of the model that speaks for recordings without a text.
+
+    Raises
+    ------
+    DataError
+        It does not read sound alone, or was trained for another appearance model.
+    """
+    if needs_of_model(sound) != {"audio"}:
+        raise DataError(
+            "the model for recordings without a text must read sound and nothing else; name another in `sound_model` "
+            "of the system, or none."
+        )
+    check_together(sound, speaker, aam_digest, ())
+
+
 def describe_bundle(
-    folder: str | Path, phones, shares: Mapping, rest: np.ndarray, corpus: str, model: str, consent: str
+    folder: str | Path,
+    phones,
+    shares: Mapping,
+    rest: np.ndarray,
+    corpus: str,
+    model: str,
+    consent: str,
+    sound_model: str = "",
 ) -> None:
     """Write the face at rest and ``speaker.json`` into a folder that holds the other parts.
 
@@ -164,13 +206,17 @@ def describe_bundle(
         Aam.load(folder / FILES["aam"]),
         Reference.load(folder / FILES["reference"]),
     )
-    parts = {name: file_digest(folder / FILES[name]) for name in PARTS}
+    given = [*PARTS, *([SOUND] if sound_model else [])]
+    parts = {name: file_digest(folder / FILES[name]) for name in given}
     check_together(trained, speaker, parts["aam"], phones)
+    if sound_model:
+        check_sound_model(load_model(folder / FILES[SOUND]), speaker, parts["aam"])
     about = {
         "kind": KIND,
         "version": VERSION,
         "corpus": corpus,
         "model": model,
+        "sound_model": sound_model,
         "consent": consent,
         "rate": trained.rate,
         "phones": list(phones),
@@ -216,6 +262,7 @@ _PROPERTIES = {
     "version": {"const": VERSION},
     "corpus": TEXT,
     "model": TEXT,
+    "sound_model": TEXT,
     "consent": TEXT,
     "rate": RATE,
     "phones": PHONES,
@@ -227,7 +274,7 @@ _PROPERTIES = {
         "type": "object",
         "required": list(PARTS),
         "additionalProperties": False,
-        "properties": dict.fromkeys(PARTS, TEXT),
+        "properties": dict.fromkeys((*PARTS, SOUND), TEXT),
     },
 }
 _SCHEMA = {

@@ -50,6 +50,7 @@ def bundle_speaker(
     corpus: str,
     model: str,
     consent: str,
+    sound_model: str = "",
 ) -> None:
     """Write a speaker bundle.
 
@@ -58,13 +59,15 @@ def bundle_speaker(
     Parameters
     ----------
     folder : of the bundle; an existing one is replaced as a whole
-    files : paths of the parts ``model``, ``aam``, ``reference`` and ``head``, which are copied
+    files : paths of the parts ``model``, ``aam``, ``reference``, ``head`` and, if there is one, ``sound``, which are
+        copied
     phones : inventory of the corpus
     utterances : the accepted utterances, with their split
     alignments : paths of the alignment tables of these utterances
     background : ids of the background recordings; empty: training utterances with similar head position and light
     seconds : minimum duration of the background if ``background`` is empty
     corpus, model, consent : for the metadata of videos
+    sound_model : name of the model in the part ``sound``; empty if there is none
 
     Raises
     ------
@@ -90,7 +93,8 @@ def bundle_speaker(
         rest = resting_face(
             lambda: ((found, arrays.array(name, "appearance"), arrays.rate(name)) for name, found in aligned.items())
         )
-        describe_bundle(made, phones, state_shares(aligned.values()), rest, corpus, model, consent)
+        shares = state_shares(aligned.values())
+        describe_bundle(made, phones, shares, rest, corpus, model, consent, sound_model)
 
 
 def _background(

@@ -5,21 +5,24 @@ errors are found before the long rendering starts.
 """
 
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
 from visualspeech.errors import DataError
+from visualspeech.features.blocks.base import Source
 from visualspeech.jobs import log
 from visualspeech.media.spooling import Spool
-from visualspeech.models.inventory import phones_of, predict_alignment
+from visualspeech.models.inventory import needs_of_model, phones_of, predict_source
 from visualspeech.models.task import Model
 from visualspeech.speech.alignment import Alignment
 from visualspeech.speech.phones import SILENCE
+from visualspeech.speech.sound import Sound
 from visualspeech.speech.spoken import Spoken
-from visualspeech.speech.substitutes import substitutes
+from visualspeech.speech.substitutes import in_phones
 from visualspeech.timing import frame_times
 
+MARGIN = 1.0  # seconds of a recording before and after a piece of it that a model which reads sound alone hears too
 FULL_SCALE = 32768  # of 16 bit
 REST = 0.12  # seconds from the border of a pause until the face is fully at rest, as measured on speaker s1 of GRID
 
@@ -82,7 +85,7 @@ def perform(spoken: Iterable[Spoken], model: Model, rest: np.ndarray, ramp: floa
                 f"one sentence has a sample rate of {one.rate} Hz, another of {audio_rate} Hz; give one rate."
             )
         audio_rate = one.rate
-        alignment, replaced = in_phones_of(one.alignment, phones_of(model))
+        alignment, replaced = in_phones(one.alignment, phones_of(model))
         if set(replaced) - reported:
             reported |= set(replaced)
             log.info(
@@ -91,7 +94,7 @@ def perform(spoken: Iterable[Spoken], model: Model, rest: np.ndarray, ramp: floa
             )
         # Sentences end at frame borders, so the last frame is filled with silence. An excess of one sample is rounding.
         count = max(1, int(np.ceil((len(one.samples) - 1) / one.rate * model.rate - 1e-6)))
-        faces.append(face_of(alignment, count, model, rest, ramp))
+        faces.append(face_of(alignment, count, model, rest, ramp, _sound(one, model), one.begin))
         length = round(len(faces) * one.rate / model.rate) - len(samples)
         sound = np.pad(one.samples, (0, max(0, length - len(one.samples))))[:length]
         samples.append(np.clip(np.rint(sound * FULL_SCALE), -FULL_SCALE, FULL_SCALE - 1))
@@ -101,30 +104,38 @@ def perform(spoken: Iterable[Spoken], model: Model, rest: np.ndarray, ramp: floa
     return Performance(" ".join(filter(None, texts)), samples, audio_rate, faces, float(model.rate))
 
 
-def in_phones_of(alignment: Alignment, phones) -> tuple[Alignment, dict[str, str]]:
-    """An alignment with only phones of a model, and the substitute of each phone that the model does not have.
-
-    Raises
-    ------
-    SettingError
-        The phones of the model are of another phone set.
-    """
-    replaced = substitutes((one.label for one in alignment.phones), phones) if phones else {}
-    if not replaced:
-        return alignment, {}
-    renamed = tuple(replace(one, label=replaced.get(one.label, one.label)) for one in alignment.phones)
-    return replace(alignment, phones=renamed), replaced
+def _sound(one: Spoken, model: Model) -> Sound | None:
+    """The sound that a model reads of a sentence or piece; None for a model that reads none."""
+    if "audio" not in needs_of_model(model):
+        return None
+    return one.sound or Sound.of(one.samples, one.rate)
 
 
-def face_of(alignment: Alignment, frames: int, model: Model, rest: np.ndarray, ramp: float) -> np.ndarray:
+def face_of(
+    alignment: Alignment,
+    frames: int,
+    model: Model,
+    rest: np.ndarray,
+    ramp: float,
+    sound: Sound | None = None,
+    begin: float = 0.0,
+) -> np.ndarray:
     """Appearance (frames, N) float32 of one sentence: predicted in speech, the face at rest in pauses.
 
     Parameters
     ----------
     rest, ramp : see :func:`perform`
+    sound, begin : what the model hears, and the time in it of the first frame
     """
     weight = pause_weights(alignment, frames, model.rate, ramp)[:, None]
-    return ((1 - weight) * predict_alignment(model, alignment, frames) + weight * rest).astype(np.float32)
+    before = after = 0
+    if sound is not None and "text" not in needs_of_model(model):
+        before = round(min(MARGIN, begin) * model.rate)
+        left = sound.seconds - begin - frames / model.rate
+        after = int(np.clip(left, 0, MARGIN) * model.rate)
+    source = Source(before + frames + after, model.rate, alignment, sound, begin - before / model.rate)
+    predicted = predict_source(model, source)[before : before + frames]
+    return ((1 - weight) * predicted + weight * rest).astype(np.float32)
 
 
 def pause_weights(alignment: Alignment, frames: int, rate: float, ramp: float) -> np.ndarray:
@@ -134,10 +145,10 @@ def pause_weights(alignment: Alignment, frames: int, rate: float, ramp: float) -
     """
     times = frame_times(frames, rate)
     depth = np.zeros(frames)
-    last = alignment.phones[-1].end
+    first, last = min(0.0, alignment.phones[0].start), alignment.phones[-1].end
     for one in alignment.phones:
         if one.label == SILENCE:
-            since = np.inf if one.start <= 0 else times - one.start
+            since = np.inf if one.start <= first else times - one.start
             until = np.inf if one.end >= last else one.end - times
             inside = (times >= one.start) & ((times < one.end) | (one.end >= last))
             depth = np.where(inside, np.minimum(since, until) * np.ones(frames), depth)

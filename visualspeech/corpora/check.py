@@ -44,7 +44,7 @@ class CheckedRecording:
 
 
 def check_recording(
-    utterance: Utterance, unknown_words: Callable[[str], list[str]], settings: CheckSettings
+    utterance: Utterance, unknown_words: Callable[[str], list[str]], settings: CheckSettings, text: bool = True
 ) -> CheckedRecording:
     """Check the transcript, video and sound of one utterance, and whether their durations match.
 
@@ -53,6 +53,7 @@ def check_recording(
     utterance : the recording and its transcript
     unknown_words : returns the words of a transcript that the pronunciation dictionary does not list
     settings : the limits
+    text : whether the corpus gives transcripts; an utterance without one is then rejected
 
     Returns
     -------
@@ -69,7 +70,8 @@ def check_recording(
         if utterance.problem:
             raise RejectedUtterance(utterance.problem, utterance.remedy)
         _check_exists(utterance.media)
-        _check_transcript(utterance)
+        if text:
+            _check_transcript(utterance)
         info = reading.probe(utterance.media)
         scan = reading.scan_video(utterance.media, utterance.start, utterance.end)
         frames = scan.frames

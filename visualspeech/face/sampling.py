@@ -23,15 +23,21 @@ def frame_size(landmarks, ids: Sequence[str]) -> tuple[int, int]:
     return max(sizes, key=lambda size: (sizes[size], size))
 
 
-def screen_frame_sizes(landmarks, ids: Sequence[str]) -> dict[str, RejectedUtterance]:
+def screen_frame_sizes(landmarks, ids: Sequence[str], training: Sequence[str]) -> dict[str, RejectedUtterance]:
     """Rejections of a speaker's utterances of another than the most common frame size, as one camera is assumed.
+
+    Parameters
+    ----------
+    landmarks : opened landmark files
+    ids : the speaker's utterances
+    training : those of them that the size is taken from
 
     Raises
     ------
     CorpusError
-        There are no utterances.
+        There are no training utterances.
     """
-    usual = frame_size(landmarks, ids)
+    usual = frame_size(landmarks, training)
     return {
         one: RejectedUtterance(
             "its frames are {}x{} pixels, those of most utterances {}x{}".format(*_size(landmarks, one), *usual),

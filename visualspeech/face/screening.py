@@ -6,7 +6,7 @@ points that move). The limits were set on GRID, where broken utterances are clea
 ``benchmarks/landmarks_grid.py`` prints the figures.
 """
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Collection, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from itertools import islice
 from pathlib import Path
@@ -214,19 +214,24 @@ def check_points(points: np.ndarray, settings: ScreeningSettings | None = None) 
 
 
 def screen_rigid_errors(
-    errors: Mapping[str, float], settings: ScreeningSettings | None = None, min_utterances: int = 10
+    errors: Mapping[str, float],
+    training: Collection[str],
+    settings: ScreeningSettings | None = None,
+    min_utterances: int = 10,
 ) -> dict[str, RejectedUtterance]:
     """Rejections of a speaker's utterances whose rigid points move far more than is usual for this speaker.
 
     Parameters
     ----------
     errors : utterance id -> RMS movement of the rigid points after normalisation, in pixels
-    min_utterances : with fewer utterances the median is unreliable, and none is rejected
+    training : the training utterances, of which the median is taken
+    min_utterances : with fewer of them the median is unreliable, and none is rejected
     """
     settings = settings or ScreeningSettings()
-    if len(errors) < min_utterances:
+    known = [error for name, error in errors.items() if name in training]
+    if len(known) < min_utterances:
         return {}
-    usual = float(np.median(list(errors.values())))
+    usual = float(np.median(known))
     return {
         name: RejectedUtterance(
             f"nose and eyes move by {error:.2f} px after head-pose normalisation, {error / usual:.1f} times the median",

@@ -11,7 +11,7 @@ from visualspeech.storage.tables import read_table, write_table
 
 
 def phone_inventory(alignments: Iterable[Alignment]) -> list[str]:
-    """The phones of a corpus, silence first and the others sorted: K entries."""
+    """The phones of the training utterances, silence first and the others sorted: K entries."""
     found = {one.label for alignment in alignments for one in alignment.phones}
     return [SILENCE, *sorted(found - {SILENCE})]
 

@@ -52,10 +52,30 @@ def resample(
 
 def at_times(values: np.ndarray, rate: float, times: np.ndarray) -> np.ndarray:
     """A stream (T, N) at ``rate`` Hz, taken as linear between its frame centres, at times in seconds (M,): (M, N)."""
-    place = np.clip(times * rate - 0.5, 0, len(values) - 1)
-    below = np.minimum(place.astype(int), max(len(values) - 2, 0))
-    share = (place - below)[:, None]
-    return values[below] * (1 - share) + values[np.minimum(below + 1, len(values) - 1)] * share
+    below, above, share = _taps(len(values), rate, times)
+    return values[below] * (1 - share) + values[above] * share
+
+
+def back_from_times(errors: np.ndarray, frames: int, rate: float, times: np.ndarray) -> np.ndarray:
+    """The transpose of :func:`at_times`: the derivative (frames, N) of errors (M, N) by the stream that was read.
+
+    Parameters
+    ----------
+    frames, rate : length and rate in Hz of the stream
+    times : (M,) seconds at which it was read
+    """
+    below, above, share = _taps(frames, rate, times)
+    result = np.zeros((frames, errors.shape[1]))
+    np.add.at(result, below, (1 - share) * errors)
+    np.add.at(result, above, share * errors)
+    return result
+
+
+def _taps(frames: int, rate: float, times: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """The frames before and after each time, and the share (M, 1) of the later one."""
+    place = np.clip(times * rate - 0.5, 0, frames - 1)
+    below = np.minimum(place.astype(int), max(frames - 2, 0))
+    return below, np.minimum(below + 1, frames - 1), (place - below)[:, None]
 
 
 def _integral(values: np.ndarray, rate: float, times: np.ndarray) -> np.ndarray:

@@ -15,7 +15,7 @@ from visualspeech.models.block_states import BLOCK_ARRAYS, BLOCKS, pack, unpack
 from visualspeech.models.lookup_settings import LookupSettings
 from visualspeech.models.task import Fitted, Task, check_examples, check_streams
 from visualspeech.storage.layouts import RATE, TEXT, Array, FileLayout, check_arrays
-from visualspeech.storage.models import part_of, read_model_of, write_model
+from visualspeech.storage.models import check_model, part_of, read_model, write_model
 
 FAMILY = "lookup"
 
@@ -128,7 +128,9 @@ def fit(task: Task) -> Fitted:
 
     sizes = [block.layout.sizes for block in task.blocks.values()]
     if len(sizes) != 1 or len(sizes[0]) != 4:
-        raise DataError(f"`models.{task.row.name}.reads` must name one block of kind triphone_state.")
+        raise DataError(
+            f"`models.{task.row.name}.reads` must name one block of kind triphone_state that is not fractional."
+        )
     check_examples(task.training, task.blocks, "training")
     model = fit_lookup(task.training, sizes[0], LookupSettings(**task.row.settings), task.blocks, task.coding)
     counts = {context: len(values) for context, values in model.counts.items()}
@@ -174,8 +176,13 @@ def fit_lookup(
 
 
 def load(path: str | Path) -> Lookup:
-    """Read a saved look-up; raises as :func:`visualspeech.storage.models.read_model_of`."""
-    arrays, settings = read_model_of(path, "look-up of means", ["model"], LAYOUT, FAMILY)
+    """Read a saved look-up; raises as :func:`restore`."""
+    return restore(*read_model(path), path)
+
+
+def restore(arrays: Mapping[str, np.ndarray], settings: Mapping, path: str | Path) -> Lookup:
+    """The look-up in a file's content; raises as :func:`visualspeech.storage.models.check_model`."""
+    check_model(arrays, settings, path, "look-up of means", ["model"], LAYOUT, FAMILY)
     made = Lookup(
         restored(LookupSettings, settings["settings"], path),
         tuple(map(int, settings["sizes"])),

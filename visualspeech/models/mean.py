@@ -11,7 +11,7 @@ from visualspeech.features.streams import Stream
 from visualspeech.models.block_states import BLOCK_ARRAYS, BLOCKS, pack, unpack
 from visualspeech.models.task import Fitted, Task, check_examples
 from visualspeech.storage.layouts import RATE, TEXT, Array, FileLayout
-from visualspeech.storage.models import read_model_of, write_model
+from visualspeech.storage.models import check_model, read_model, write_model
 
 FAMILY = "mean"
 
@@ -67,8 +67,13 @@ def fit(task: Task) -> Fitted:
 
 
 def load(path: str | Path) -> TrainingMean:
-    """Read a saved mean; raises as :func:`visualspeech.storage.models.read_model_of`."""
-    arrays, settings = read_model_of(path, "training mean", ["model"], LAYOUT, FAMILY)
+    """Read a saved mean; raises as :func:`restore`."""
+    return restore(*read_model(path), path)
+
+
+def restore(arrays: Mapping[str, np.ndarray], settings: Mapping, path: str | Path) -> TrainingMean:
+    """The mean in a file's content; raises as :func:`visualspeech.storage.models.check_model`."""
+    check_model(arrays, settings, path, "training mean", ["model"], LAYOUT, FAMILY)
     return TrainingMean(arrays["mean"], settings["rate"], settings["coding"], unpack(arrays, settings["blocks"], path))
 
 

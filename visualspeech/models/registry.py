@@ -1,265 +1,24 @@
-"""The families of models by name, and the rows that a system's ``models:`` asks for. For planning: imports no model.
+"""The rows that a system's ``models:`` asks for, and models of any family from their files. Imports no model."""
 
-A family is named by the module that implements it, with ``fit(task) -> Fitted`` and ``load(path) -> Model``
-(:mod:`visualspeech.models.task`). The module is imported when a model is trained, and its code is part of the digest of
-its own rows alone: a new family re-trains nobody.
-"""
-
-from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
-from dataclasses import asdict, dataclass
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import asdict, replace
 from importlib import import_module
-from itertools import chain, product
 from math import prod
 from pathlib import Path
-from types import MappingProxyType
+
+import numpy as np
 
 from visualspeech.errors import DamagedFile, SettingError
-from visualspeech.fields import MAX_SEED, FieldError, section_schema, with_defaults
+from visualspeech.models.combined_rows import members_of, named_rows, reads_of, ready
+from visualspeech.models.entries import combinations, family_settings, grid_of, inherited, model_mistakes
+from visualspeech.models.families import FAMILIES
 from visualspeech.models.rows import ModelRow
-from visualspeech.models.training_settings import TrainingSettings, training_settings
-from visualspeech.schema import mistakes, settings_class, unknown
-from visualspeech.settings import merged as laid_over
-from visualspeech.storage.models import read_model_settings
-
-
-@dataclass(frozen=True)
-class Family:
-    """One family of models.
-
-    Parameters
-    ----------
-    module : that implements it
-    settings : ``module:Class`` of its settings, importable without torch; empty for none
-    trained : whether it is trained by the loop of :mod:`visualspeech.models.training`
-    role : of its rows, see :data:`visualspeech.models.rows.ROLES`
-    grid : settings that may be lists in ``models:``; every combination is a row
-    cell : name of such a row, from the settings
-    title : of a row in tables, from its name and settings
-    reads : least and largest number of input blocks; None: any number
-    made_from : whether a row of these settings starts from the model of another row, which ``from`` names
-    """
-
-    module: str
-    settings: str = ""
-    trained: bool = False
-    role: str = "model"
-    grid: tuple[str, ...] = ()
-    cell: Callable[[Mapping], str] = lambda settings: ""
-    title: Callable[[str, Mapping], str] = lambda name, settings: name
-    reads: tuple[int, int | None] = (0, None)
-    made_from: Callable[[Mapping], bool] = lambda settings: False
-
-
-_HMM_TITLES = {"monophone": "monophone HMM", "tied": "tied-state triphone HMM", "mge": "MGE-trained HMM"}
-
-FAMILIES = {
-    "stack": Family(
-        "visualspeech.models.stack",
-        "visualspeech.models.stack_settings:StackSettings",
-        trained=True,
-        grid=("letters", "nodes"),
-        cell=lambda settings: f"{settings['letters']}-{settings['nodes']}",
-        reads=(1, None),
-    ),
-    "hmm": Family(
-        "visualspeech.models.hmm.family",
-        "visualspeech.models.hmm.model:HmmSettings",
-        title=lambda name, settings: _HMM_TITLES[settings["variant"]],
-        reads=(1, 1),
-        made_from=lambda settings: settings["variant"] != "monophone",
-    ),
-    "lookup": Family(
-        "visualspeech.models.lookup",
-        "visualspeech.models.lookup_settings:LookupSettings",
-        role="baseline",
-        title=lambda name, settings: f"{settings['context']}-state mean",
-        reads=(1, 1),
-    ),
-    "mean": Family(
-        "visualspeech.models.mean", role="baseline", title=lambda name, settings: "training mean", reads=(0, 0)
-    ),
-    # Not trained: the true parameters as if they were a prediction. Its error is that of the visual coding alone.
-    "reconstruction": Family("", role="floor", title=lambda name, settings: "reconstruction (floor)", reads=(0, 0)),
-}
+from visualspeech.models.training_settings import training_settings
+from visualspeech.storage.models import read_model
 
 MOST_ROWS = 1000  # of a system; planning takes some seconds for so many
 #: Rows that every system has: what a prediction must beat, and the error that none can fall below.
 ALWAYS = {"training_mean": {"family": "mean"}, "reconstruction": {"family": "reconstruction"}}
-
-#: Keys of an entry of ``models:`` beside the settings of its family, as JSON Schema.
-ENTRY = {
-    "family": {"type": "string", "description": "Family of models, which the settings of the entry belong to."},
-    "like": {"type": "string", "maxLength": 64,
-             "description": "Entry of `models` whose keys count where this one has none."},
-    "from": {"type": "string", "maxLength": 64,
-             "description": "As `like`, and training starts from the model of that entry."},
-    "reads": {"type": "array", "uniqueItems": True, "maxItems": 200,
-              "items": {"description": "Input block of the system."},
-              "description": "Input blocks of the system that the model reads, in this order."},
-    "title": {"type": "string", "minLength": 1, "maxLength": 200, "pattern": "^[^\\r\\n]*\\Z",
-              "description": "Name in tables."},
-    "suffix": {"type": "string", "pattern": "^[A-Za-z0-9_-]{1,32}\\Z",
-               "description": "At most 32 letters, digits, - and _ that follow the names of the rows, after a hyphen."},
-    "training": {"type": "object", "description": "What differs from the system's settings of training."},
-    "seeds": {"type": "array", "uniqueItems": True, "minItems": 1, "maxItems": 100,
-              "items": {"type": "integer", "minimum": 0, "maximum": MAX_SEED,
-                        "description": "Seed of weights, order and dropout."},
-              "description": "Seeds of the networks of this entry, in place of the system's."},
-}  # fmt: skip
-ENTRY_KEYS = tuple(ENTRY)
-
-
-def entry_schema(family: str, entry: Mapping = MappingProxyType({}), blocks: Collection[str] = ()) -> dict:
-    """JSON Schema of an entry of ``models:``; no key is required.
-
-    Parameters
-    ----------
-    family : its name in :data:`FAMILIES`
-    entry : what is held against the schema: settings of the grid that it gives as lists may be lists
-    blocks : names of the system's input blocks
-    """
-    known = FAMILIES[family]
-    common = {key: value for key, value in ENTRY.items() if known.trained or key not in TRAINED_KEYS}
-    common["family"] = _family_schema()
-    least, most = known.reads
-    common["reads"] = {**ENTRY["reads"], "items": {**ENTRY["reads"]["items"], "enum": list(blocks)}, "minItems": least}
-    common["reads"] |= {} if most is None else {"maxItems": most}
-    if known.trained:
-        common["training"] = section_schema(TrainingSettings, ENTRY["training"]["description"], ("seed",))
-    own = section_schema(settings_class(known.settings), hidden=("seed",))["properties"] if known.settings else {}
-    for name in known.grid:
-        if isinstance(entry.get(name), list):
-            several = {"type": "array", "minItems": 1, "maxItems": 20, "uniqueItems": True, "items": own[name]}
-            own[name] = {"description": own[name]["description"], **several}
-    return {"type": "object", "additionalProperties": False, "properties": common | own}
-
-
-def _family_schema() -> dict:
-    return {"enum": list(FAMILIES), "description": ENTRY["family"]["description"]}
-
-
-#: Keys of entries whose family is trained by :mod:`visualspeech.models.training`.
-TRAINED_KEYS = ("training", "seeds")
-
-
-def model_mistakes(models: Mapping, blocks: Collection[str], where: str) -> list[str]:
-    """What is wrong with the entries of ``models:``, a sentence for each mistake.
-
-    An inherited key is judged where it is written. Entries that are no mappings are left to the system's schema.
-
-    Parameters
-    ----------
-    models, blocks, where : as for :func:`expand`
-    """
-    given = {key: dict(entry) for key, entry in models.items() if isinstance(entry, Mapping)}
-    links = {key: _link_mistakes(key, given, f"{where}.{key}") for key in given}
-    # What takes over from a broken entry is not judged: its mistakes would be those of the entry above again.
-    sound = [key for key in given if not any(links.get(name) for name in _chain(key, given))]
-    for key in sorted(sound, key=lambda name: len(_chain(name, given))):
-        if any(links.get(name) for name in _chain(key, given)):
-            continue
-        links[key] = _family_mistakes(key, given, f"{where}.{key}")
-    sound = [key for key in sound if not any(links.get(name) for name in _chain(key, given))]
-    found = list(chain.from_iterable(links.values()))
-    found += [said for key in sound for said in _key_mistakes(key, given, blocks, f"{where}.{key}")]
-    return found or [said for key in sound for said in _settings_mistakes(key, given, f"{where}.{key}")]
-
-
-def _chain(key: str, models: Mapping) -> list[str]:
-    """An entry and those that it takes over from, one after the other; a chain that leads back ends there."""
-    names = [key]
-    while True:
-        entry = models.get(names[-1], {})
-        above = entry.get("like", entry.get("from"))
-        if not isinstance(above, str) or above in names:
-            return names
-        names.append(above)
-
-
-def _link_mistakes(key: str, models: Mapping, where: str) -> list[str]:
-    """What is wrong with the keys ``like`` and ``from`` of an entry."""
-    own = models[key]
-    found = mistakes(own, {"type": "object", "properties": {name: ENTRY[name] for name in ("like", "from")}}, where)
-    if "like" in own and "from" in own:
-        found.append(f"`{where}` has both `like` and `from`; `from` takes over settings too, so leave `like` out.")
-    for name in ("like", "from") if not found else ():
-        above = own.get(name)
-        if above is not None and above not in models:
-            others = [other for other in models if other != key]
-            found.append(unknown(f"{where}.{name}", above, others, "entry of `models`"))
-        elif above is not None and _is_first_of_loop(key, models):
-            found.append(f"`{where}.{name}: {above}` leads back to {key}; name another entry.")
-    return found
-
-
-def _is_first_of_loop(key: str, models: Mapping) -> bool:
-    """Whether an entry's chain leads back to it, and it is the first one of that chain in the settings."""
-    names = _chain(key, models)
-    last = models.get(names[-1], {})
-    return last.get("like", last.get("from")) == key and key == next(name for name in models if name in names)
-
-
-def _family_mistakes(key: str, models: Mapping, where: str) -> list[str]:
-    """What is wrong with the family of an entry, and with the family of the one that it takes over from."""
-    own, entry = models[key], _inherited(key, models)
-    link = "like" if "like" in own else "from"
-    if "family" not in entry:
-        known = f"{ENTRY['family']['description']} Known: {', '.join(FAMILIES)}."
-        return [] if link in own else [f"`{where}` lacks `family`. {known}"]
-    found = mistakes(entry["family"], _family_schema(), f"{where}.family")
-    if found:
-        return found if "family" in own else []
-    if link not in own:
-        return []
-    above = _inherited(own[link], models)
-    if above.get("family", entry["family"]) != entry["family"]:
-        family = f"`{where}.family: {entry['family']}`"
-        return [f"{family} must be {above['family']}, the family of the entry that `{link}` names."]
-    grid = _grid(FAMILIES[entry["family"]], above)
-    if link == "from" and grid:
-        return [
-            f"`{where}.from: {own['from']}` asks for a model for each of its {' and '.join(grid)}, and a model is made "
-            "from one alone. Name an entry without lists."
-        ]
-    return []
-
-
-def _key_mistakes(key: str, models: Mapping, blocks: Collection[str], where: str) -> list[str]:
-    """What is wrong with the keys of an entry, one by one; inherited ones are judged where they are written."""
-    own, entry, found = models[key], _inherited(key, models), []
-    family = FAMILIES[entry["family"]]
-    if not family.trained:
-        found = [
-            f"`{where}.{name}` is for networks; the family {entry['family']} is trained in another way. Leave it out."
-            for name in TRAINED_KEYS
-            if name in own
-        ]
-        own = {name: value for name, value in own.items() if name not in TRAINED_KEYS}
-    if family.reads[1] == 0 and "reads" in own:
-        found.append(f"`{where}.reads` must be left out: the family {entry['family']} reads no input block.")
-        own = {name: value for name, value in own.items() if name != "reads"}
-    found += mistakes(own, entry_schema(entry["family"], own, blocks), where)
-    if family.reads[0] and "reads" not in entry:
-        found.append(f"`{where}` lacks `reads`. {ENTRY['reads']['description']} Known: {', '.join(blocks)}.")
-    return found
-
-
-def _settings_mistakes(key: str, models: Mapping, where: str) -> list[str]:
-    """What does not go together in an entry whose keys, one by one, are right."""
-    entry, found = _inherited(key, models), []
-    family = FAMILIES[entry["family"]]
-    if not _own(models[key]) and "family" not in models[key]:
-        return []  # it has the settings of the entry above, where its mistakes are reported
-    for settings in _combinations(family, entry):
-        try:
-            built = _settings(family, settings, where, entry)
-        except SettingError as error:
-            found.append(str(error))
-            continue
-        if family.made_from(built) and not entry.get("from"):
-            others = ", ".join(name for name in models if name != key)
-            found.append(f"`{where}` lacks `from`: with these settings a model is made from another. Known: {others}.")
-    return list(dict.fromkeys(found))
 
 
 def expand(models: Mapping, blocks: Collection, training: Mapping, seeds: Sequence[int], where: str) -> list[ModelRow]:
@@ -282,100 +41,84 @@ def expand(models: Mapping, blocks: Collection, training: Mapping, seeds: Sequen
     if found:
         raise SettingError("\n".join(found))
     given = {key: dict(entry) for key, entry in models.items() if entry is not None}
-    merged = {key: _inherited(key, given) for key in given}
+    merged = {key: inherited(key, given) for key in given}
+    merged |= {key: entry for key, entry in ALWAYS.items() if key not in merged}
+    made: dict[str, list[ModelRow]] = {}
+    while chosen := ready(merged, made, where):
+        for key in chosen:
+            _check_number(sum(map(len, made.values())) + _count(merged[key], seeds), where)
+            made[key] = _rows_of(key, merged[key], training, seeds, made, f"{where}.{key}")
     rows: dict[str, ModelRow] = {}
-    for key, entry in {**merged, **{key: entry for key, entry in ALWAYS.items() if key not in merged}}.items():
-        if len(rows) + _count(entry, seeds) > MOST_ROWS:
-            raise SettingError(
-                f"`{where}` asks for more than {MOST_ROWS} rows; give fewer `letters`, `nodes` or `seeds`."
-            )
-        for row in _rows_of(key, entry, training, seeds, f"{where}.{key}"):
+    for key in merged:
+        for row in made[key]:
             # Names are folders, and some file systems take names that differ in case only for one.
             if row.name.lower() in map(str.lower, rows):
                 raise SettingError(
                     f"`{where}.{key}`: two rows are named {row.name} (capitals do not count); give one a `suffix`."
                 )
             rows[row.name] = row
+    _check_number(len(rows), where)
     order = {"model": 0, "baseline": 1, "floor": 2}
     return sorted(rows.values(), key=lambda row: order[row.role])
+
+
+def _check_number(rows: int, where: str) -> None:
+    if rows > MOST_ROWS:
+        raise SettingError(f"`{where}` asks for more than {MOST_ROWS} rows; give fewer `letters`, `nodes` or `seeds`.")
 
 
 def _count(entry: Mapping, seeds: Sequence[int]) -> int:
     """Number of rows that an entry asks for, or more."""
     family = FAMILIES[entry["family"]]
-    return len(entry.get("seeds", seeds)) * prod(len(entry[name]) for name in _grid(family, entry))
+    return len(entry.get("seeds", seeds)) * prod(len(entry[name]) for name in grid_of(family, entry))
 
 
-def _inherited(key: str, models: Mapping) -> dict:
-    """An entry with what it takes over from the entry named by ``like`` or ``from``; no chain leads back to itself."""
-    entry = models[key]
-    above = entry.get("like", entry.get("from"))
-    if above is None:
-        return entry
-    # What is like a model that is made from another is made from that one too.
-    dropped = ("title", "like", "from") if "from" in entry else ("title", "like")
-    base = {name: value for name, value in _inherited(above, models).items() if name not in dropped}
-    training = [one["training"] for one in (base, entry) if isinstance(one.get("training"), Mapping)]
-    return {**base, **entry, **({"training": laid_over(*training)} if len(training) == 2 else {})}
-
-
-def _own(entry: Mapping) -> dict:
-    """The settings of an entry's family."""
-    return {name: value for name, value in entry.items() if name not in ENTRY}
-
-
-def _grid(family: Family, entry: Mapping) -> list[str]:
-    """Settings of an entry that are lists of values, each of which asks for a row."""
-    return [name for name in family.grid if isinstance(entry.get(name), list | tuple)]
-
-
-def _combinations(family: Family, entry: Mapping) -> Iterator[dict]:
-    """Settings of the family for each row of an entry."""
-    own, grid = _own(entry), _grid(family, entry)
-    for values in product(*(own[name] for name in grid)):
-        yield {**own, **dict(zip(grid, values, strict=True))}
-
-
-def _settings(family: Family, own: Mapping, where: str, entry: Mapping) -> dict:
-    """All settings of a row of an entry; where a list holds the value at fault, the message says its position."""
-    if not family.settings:
-        return {}
-    cls = settings_class(family.settings)
-    try:
-        return with_defaults(cls, own, ("seed",))
-    except FieldError as error:
-        moved = error.at(cls.section, where)
-        name = moved.key.removeprefix(f"{where}.")
-        if name in _grid(family, entry):
-            moved.key += f".{list(entry[name]).index(own[name])}"
-        raise FieldError(moved.key, moved.rest) from None
-
-
-def _rows_of(key: str, entry: Mapping, training: Mapping, seeds: Sequence[int], where: str) -> list[ModelRow]:
+def _rows_of(
+    key: str,
+    entry: Mapping,
+    training: Mapping,
+    seeds: Sequence[int],
+    made: Mapping[str, Sequence[ModelRow]],
+    where: str,
+) -> list[ModelRow]:
+    """The rows of an entry, whose references all have theirs."""
     family = FAMILIES[entry["family"]]
+    if family.made_of:
+        known = {row.name: row for group in made.values() for row in group}
+        rows = []
+        for number, members in enumerate(members_of(entry, made, known, where)):
+            # A row for each seed of the one that it is made from; an ensemble has its seeds inside.
+            seed, own = (members[0].seed if family.made_of == "from" else seeds[0]), next(combinations(family, entry))
+            row = _row(key, entry, own, training, seed, where, repeated=number > 0)
+            rows.append(replace(row, reads=reads_of(members), parents=tuple(one.name for one in members)))
+        return rows
     seeded = list(entry.get("seeds", seeds)) if family.trained else list(seeds)[:1]
-    rows = []
-    for number, seed in enumerate(seeded):
-        for own in _combinations(family, entry):
-            settings = _settings(family, own, where, entry)
-            cell = family.cell(settings) if _grid(family, entry) else key
-            cell += f"-{entry['suffix']}" if entry.get("suffix") else ""
-            rows.append(
-                ModelRow(
-                    name=cell if number == 0 else f"{cell}-s{seed}",
-                    title=entry.get("title") or family.title(cell, settings),
-                    family=entry["family"],
-                    settings=settings,
-                    reads=tuple(entry.get("reads", ())),
-                    training=_training({**training, **entry.get("training", {})}) if family.trained else {},
-                    seed=seed,
-                    group=key,
-                    cell=cell,
-                    parent=entry.get("from", ""),
-                    role=family.role,
-                )
-            )
-    return rows
+    parents = (named_rows(entry["from"], made)[0].name,) if "from" in entry else ()
+    return [
+        replace(_row(key, entry, own, training, seed, where, repeated=number > 0), parents=parents)
+        for number, seed in enumerate(seeded)
+        for own in combinations(family, entry)
+    ]
+
+
+def _row(key: str, entry: Mapping, own: Mapping, training: Mapping, seed: int, where: str, repeated: bool) -> ModelRow:
+    """A row with its own settings; ``repeated`` says that a row of an earlier seed has the name without the seed."""
+    family = FAMILIES[entry["family"]]
+    settings = family_settings(family, own, where, entry)
+    cell = family.cell(settings) if grid_of(family, entry) else key
+    cell += f"-{entry['suffix']}" if entry.get("suffix") else ""
+    return ModelRow(
+        name=f"{cell}-s{seed}" if repeated else cell,
+        title=entry.get("title") or family.title(cell, settings),
+        family=entry["family"],
+        settings=settings,
+        reads=tuple(entry.get("reads", ())),
+        training=_training({**training, **entry.get("training", {})}) if family.trained else {},
+        seed=seed,
+        group=key,
+        cell=cell,
+        role=family.role,
+    )
 
 
 def _training(given: Mapping) -> dict:
@@ -383,12 +126,32 @@ def _training(given: Mapping) -> dict:
     return {name: value for name, value in settings.items() if name != "seed"}
 
 
+def code_modules(row: ModelRow, rows: Sequence[ModelRow]) -> list[str]:
+    """Modules that are imported by name where a row is trained or predicts: its family's, and those of its parents."""
+    by_name, found, waiting = {one.name: one for one in rows}, [], [row]
+    while waiting:
+        one = waiting.pop()
+        found.append(FAMILIES[one.family].module)
+        waiting += [by_name[name] for name in one.parents]
+    return sorted(set(found))
+
+
 def load_model(path: str | Path):
     """Read a trained model of any family; raises :class:`StorageError` where the file holds none."""
-    settings = read_model_settings(path)
+    return restore_model(*read_model(path), path)
+
+
+def restore_model(arrays: Mapping[str, np.ndarray], settings: Mapping, path: str | Path):
+    """A trained model of any family from its arrays and settings, which are in the file ``path``.
+
+    Raises
+    ------
+    StorageError
+        They are of no trained model.
+    """
     if settings.get("kind") != "model":
         raise DamagedFile(path, "it holds no trained model")
     name = settings.get("family")
     if name not in [known for known, family in FAMILIES.items() if family.module]:
         raise DamagedFile(path, f"it is a model of the unknown family {name!r:.40}")
-    return import_module(FAMILIES[name].module).load(path)
+    return import_module(FAMILIES[name].module).restore(arrays, settings, path)

@@ -22,7 +22,7 @@ class ModelRow:
     seed : of everything random in its training
     group : key of the system's ``models:`` that asks for it, for example ``nets``
     cell : name without the seed; rows of one cell are repetitions of each other
-    parent : name of the row that it is made from; empty for none
+    parents : names of the rows that it is made from
     role : of :data:`ROLES`
     """
 
@@ -35,14 +35,14 @@ class ModelRow:
     seed: int = 1
     group: str = ""
     cell: str = ""
-    parent: str = ""
+    parents: tuple[str, ...] = ()
     role: str = "model"
 
     def plain(self) -> dict:
         """The row as JSON can hold it."""
-        return {**asdict(self), "reads": list(self.reads)}
+        return {**asdict(self), "reads": list(self.reads), "parents": list(self.parents)}
 
     @classmethod
     def of(cls, plain: Mapping) -> "ModelRow":
         """The inverse of :meth:`plain`."""
-        return cls(**{**plain, "reads": tuple(plain["reads"])})
+        return cls(**{**plain, "reads": tuple(plain["reads"]), "parents": tuple(plain["parents"])})

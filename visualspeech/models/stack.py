@@ -1,22 +1,27 @@
-"""Stacks of feed-forward (F) and bidirectional LSTM (B) layers, named by their letters: FBB, BFF, ... (Fan 2015, 4)."""
+"""Stacks of feed-forward (F), bidirectional LSTM (B) and gated convolutional (C) layers, named by their letters.
+
+FBB, BFF, ... are those of Fan 2015, section 4; C is a layer of WaveNet (van den Oord et al. 2016).
+"""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict
 from itertools import accumulate
 from pathlib import Path
 
+import numpy as np
 import torch
 from torch import nn
 from torch.nn.utils.rnn import PackedSequence, pack_padded_sequence, pad_packed_sequence
 
 from visualspeech.features.streams import Layout
 from visualspeech.models.batches import Batch
-from visualspeech.models.network import Network, load_network
+from visualspeech.models.fitting import fit_network
+from visualspeech.models.layers import GatedConvolution, dilations, dropped
+from visualspeech.models.network import Network, restore_network
 from visualspeech.models.stack_settings import StackSettings
 from visualspeech.models.task import Fitted, Task
-from visualspeech.models.training import train
 from visualspeech.models.training_settings import training_settings
 from visualspeech.provenance import code_digest
+from visualspeech.storage.models import read_model
 
 FAMILY = "stack"
 
@@ -24,8 +29,8 @@ FAMILY = "stack"
 class Stack(nn.Module):
     """A stack over one-hot and real-valued inputs, with a linear output layer (Fan 2015, Fig. 3 and Eq. 12).
 
-    Utterances of one batch (B of them, T = the longest) may have different lengths: padded frames reach neither
-    direction of a BLSTM layer, and the output there is zero.
+    Utterances of one batch (B of them, T = the longest) may have different lengths: padded frames reach no layer, and
+    the output there is zero.
 
     Parameters
     ----------
@@ -44,9 +49,12 @@ class Stack(nn.Module):
         self.dropout = dropout
         self.layers = nn.ModuleList()
         width = sum(layout.width for layout in layouts)
-        for letter in settings.letters:
+        for letter, dilation in zip(settings.letters, dilations(settings.letters), strict=True):
             if letter == "F":
                 self.layers.append(nn.Linear(width, settings.nodes))
+                width = settings.nodes
+            elif letter == "C":
+                self.layers.append(GatedConvolution(width, settings.nodes, dilation, dropout))
                 width = settings.nodes
             else:
                 self.layers.append(nn.LSTM(width, settings.direction_nodes, batch_first=True, bidirectional=True))
@@ -65,11 +73,14 @@ class Stack(nn.Module):
             inputs.append(packed.data)
         frames = torch.cat(inputs, dim=1) if len(inputs) > 1 else inputs[0]
         for letter, layer in zip(self.letters, self.layers, strict=True):
+            if letter == "C":
+                frames = layer(frames, packed.batch_sizes)
+                continue
             if letter == "F":
                 frames = torch.tanh(layer(frames))
             else:
                 frames = layer(PackedSequence(frames, packed.batch_sizes))[0].data
-            if self.training and self.dropout:
+            if self.training:
                 frames = dropped(frames, self.dropout)
         values = PackedSequence(self.output(frames), packed.batch_sizes)
         return pad_packed_sequence(values, batch_first=True, total_length=batch.index.shape[1])[0]
@@ -80,49 +91,36 @@ class Stack(nn.Module):
         return ones.scatter_(1, index + self.offsets, 1.0)
 
 
-def dropped(values: torch.Tensor, share: float) -> torch.Tensor:
-    """Values with a random share of them zero and the others larger by 1 / (1 - share), as in training with dropout.
-
-    The same as :func:`torch.nn.functional.dropout` with other random numbers: uniform ones, which a processor draws
-    three times as fast as torch's Bernoulli ones; those were a tenth of an update.
-    """
-    return values * torch.rand_like(values).ge_(share).mul_(1 / (1 - share))
-
-
 def fit(task: Task) -> Fitted:
     """Train the stack of a row.
 
     Raises
     ------
     DataError, SettingError
-        As :func:`visualspeech.models.training.train`.
+        As :func:`visualspeech.models.fitting.fit_network`.
     """
     settings = StackSettings(**task.row.settings)
     training = training_settings(task.row.training, seed=task.row.seed)
     layouts = [block.layout for block in task.blocks.values()]
-    trained = train(
-        lambda outputs: Stack(settings, layouts, outputs, training.dropout),
-        task,
-        training,
-        [asdict(settings), code_digest(__file__)],
-    )
-    network = Network(
-        family=FAMILY,
-        settings=asdict(settings),
-        module=trained.module,
-        scaling=trained.scaling,
-        blocks=task.blocks,
-        rate=task.training[0].rate,
-        coding=task.coding,
-        about={"training": asdict(training), "epochs": len(trained.curve), "best_epoch": trained.best_epoch},
-    )
-    return Fitted(network, trained.curve_table())
+
+    def build(outputs: int) -> Stack:
+        return Stack(settings, layouts, outputs, training.dropout)
+
+    return fit_network(task, FAMILY, settings, training, build, [code_digest(__file__)])
 
 
 def load(path: str | Path) -> Network:
-    """Read a saved stack; raises as :func:`visualspeech.models.network.load_network`."""
-    return load_network(path, FAMILY, lambda settings, layouts, outputs: Stack(
-        StackSettings(**settings), layouts, outputs), weight_shapes)  # fmt: skip
+    """Read a saved stack; raises as :func:`visualspeech.models.network.restore_network`."""
+    return restore(*read_model(path), path)
+
+
+def restore(arrays: Mapping[str, np.ndarray], settings: Mapping, path: str | Path) -> Network:
+    """The stack in a file's content; raises as :func:`visualspeech.models.network.restore_network`."""
+
+    def build(own: Mapping, layouts: Sequence[Layout], outputs: int) -> Stack:
+        return Stack(StackSettings(**own), layouts, outputs)
+
+    return restore_network(arrays, settings, path, FAMILY, build, weight_shapes)
 
 
 def weight_shapes(settings: Mapping, layouts: Sequence[Layout], outputs: int) -> dict[str, tuple[int, ...]]:
@@ -137,6 +135,11 @@ def weight_shapes(settings: Mapping, layouts: Sequence[Layout], outputs: int) ->
     for number, letter in enumerate(made.letters):
         if letter == "F":
             shapes |= {f"layers.{number}.weight": (made.nodes, width), f"layers.{number}.bias": (made.nodes,)}
+            width = made.nodes
+            continue
+        if letter == "C":
+            own = GatedConvolution.shapes(width, made.nodes)
+            shapes |= {f"layers.{number}.{name}": shape for name, shape in own.items()}
             width = made.nodes
             continue
         gates = 4 * made.direction_nodes

@@ -1,16 +1,17 @@
-"""Settings of stacks of feed-forward and BLSTM layers; without torch, for planning."""
+"""Settings of stacks of feed-forward, BLSTM and convolutional layers; without torch, for planning."""
 
 from dataclasses import dataclass
 from typing import ClassVar
 
-from visualspeech.fields import Settings, setting, setting_error
+from visualspeech.fields import setting, setting_error
+from visualspeech.models.trajectory.settings import TrajectorySettings
 
 #: Hidden layers at most; each one is a job's memory and time.
 MAX_LAYERS = 16
 
 
 @dataclass(frozen=True)
-class StackSettings(Settings):
+class StackSettings(TrajectorySettings):
     """Hidden layers of a stack.
 
     Fan 2015 does not say what the width of a B layer counts; Sadoughi and Busso (2017) count directions.
@@ -21,8 +22,8 @@ class StackSettings(Settings):
     letters: str = setting(
         "FBB",
         f"Hidden layers from the input up, one capital letter each, at most {MAX_LAYERS}: F feed-forward, B "
-        "bidirectional LSTM; for example FBB.",
-        pattern=f"[FB]{{1,{MAX_LAYERS}}}",
+        "bidirectional LSTM, C gated dilated convolution; for example FBB.",
+        pattern=f"[FBC]{{1,{MAX_LAYERS}}}",
     )
     nodes: int = setting(128, "Width of a hidden layer, for example 128.", minimum=1, maximum=4096)
     b_nodes: str = setting(

@@ -24,7 +24,7 @@ class Task:
     blocks : the input blocks that it reads, by name, in the order of its streams
     training, validation : utterances
     coding : digest of the visual coding whose parameters are predicted, kept with the model
-    parent : file of the model that it is made from; None where there is none
+    parents : files of the models that it is made from
     checkpoint : file in which a long training keeps its state; None for none
     """
 
@@ -33,7 +33,7 @@ class Task:
     training: Sequence[Example]
     validation: Sequence[Example]
     coding: str = ""
-    parent: Path | None = None
+    parents: Sequence[Path] = ()
     checkpoint: Path | None = None
 
 

@@ -6,9 +6,10 @@ from pathlib import Path
 
 from visualspeech.errors import SettingError
 from visualspeech.evaluation.published_results import published_names
-from visualspeech.features.blocks.base import block_class, block_kinds
+from visualspeech.features.blocks.base import block_class, block_kinds, needs_of
 from visualspeech.fields import section_schema, with_defaults
-from visualspeech.models.registry import expand, model_mistakes
+from visualspeech.models.entries import model_mistakes
+from visualspeech.models.registry import expand
 from visualspeech.models.rows import ModelRow
 from visualspeech.schema import check, mistakes, unknown
 from visualspeech.settings import merged, read_yaml
@@ -223,7 +224,7 @@ def complete_system(system: Mapping, seed: int) -> dict:
     blocks = {name: _block(block, f"{where}.blocks.{name}") for name, block in system["blocks"].items() if block}
     seeds = system["seeds"] or [seed]
     rows = expand(system["models"], blocks, system["training"], seeds, f"{where}.models")
-    found = _naming_mistakes(system, rows, where)
+    found = _naming_mistakes(system, rows, where) + _sound_mistakes(system, blocks, rows, where)
     if found:
         raise SettingError("\n".join(found))
     models = [row for row in rows if row.role == "model"]
@@ -232,13 +233,19 @@ def complete_system(system: Mapping, seed: int) -> dict:
     return {
         **{key: value for key, value in system.items() if key not in ("models", "training", "seeds")},
         "seeds": seeds,
+        # What its models read counts among its needs, whether or not its file says so.
+        "needs": list(
+            dict.fromkeys([*system["needs"], *sorted(set().union(*(_needs_of_row(row, blocks) for row in rows)))])
+        ),
         "blocks": blocks,
         "rows": [row.plain() for row in rows],
         "videos": {**system["videos"], "model": shown},
+        "sound_model": next(iter(_of_groups(filter(None, [system["sound_model"]]), rows)), ""),
         "tables": {
             **system["tables"],
             "topologies": _of_groups(system["tables"]["topologies"], rows),
             "gains": {key: _of_groups(names, rows) for key, names in gains.items()},
+            "ablation": {**system["tables"]["ablation"], "rows": _ablation(system["tables"]["ablation"], rows)},
         },
         "preference": {**system["preference"], "models": _pair(system, shown, rows)},
     }
@@ -249,6 +256,22 @@ def _block(block: Mapping, where: str) -> dict:
     given = {name: value for name, value in block.items() if name != "kind"}
     cls = block_class(block["kind"]).settings
     return {"kind": block["kind"], "settings": with_defaults(cls, given, where=where) if cls else {}}
+
+
+def _sound_mistakes(system: Mapping, blocks: Mapping, rows: Sequence[ModelRow], where: str) -> list[str]:
+    """Rows that are to speak for recordings and do not read sound alone."""
+    wanted = system["sound_model"]
+    return [
+        f"`{where}.sound_model: {wanted}` must read input blocks of sound alone; {row.name} reads "
+        f"{', '.join(row.reads) or 'none'}."
+        for row in rows
+        if wanted and wanted in (row.group, row.name) and _needs_of_row(row, blocks) != {"audio"}
+    ]
+
+
+def _needs_of_row(row: ModelRow, blocks: Mapping) -> set[str]:
+    """What the input blocks of a row are computed from."""
+    return {need for name in row.reads for need in needs_of(block_class(blocks[name]["kind"]))}
 
 
 def _naming_mistakes(system: Mapping, rows: Sequence[ModelRow], where: str) -> list[str]:
@@ -262,12 +285,15 @@ def _naming_mistakes(system: Mapping, rows: Sequence[ModelRow], where: str) -> l
     for key, names in {
         "tables.topologies": tables["topologies"],
         **{f"tables.gains.{name}": names for name, names in tables["gains"].items()},
+        **{f"tables.ablation.rows.{name}": names or () for name, names in tables["ablation"]["rows"].items()},
     }.items():
         found += [
             unknown(f"{where}.{key}.{number}", name, known, "entry of `models` and no row")
             for number, name in enumerate(names)
             if name not in known
         ]
+    if system["sound_model"] and system["sound_model"] not in known:
+        found.append(unknown(f"{where}.sound_model", system["sound_model"], known, "entry of `models` and no row"))
     shown = system["videos"]["model"]
     if shown and shown not in trained:
         found.append(unknown(f"{where}.videos.model", shown, trained, "model of the system"))
@@ -275,6 +301,13 @@ def _naming_mistakes(system: Mapping, rows: Sequence[ModelRow], where: str) -> l
         unknown(f"{where}.preference.models.{number}", name, trained, "model of the system")
         for number, name in enumerate(pair)
         if name not in trained
+    ]
+    columns = len(tables["ablation"]["columns"])
+    found += [
+        f"`{where}.tables.ablation.rows.{name}` names {len(names)} models; it must name one for each of the {columns} "
+        "`columns`, of which there must be two at least."
+        for name, names in tables["ablation"]["rows"].items()
+        if names is not None and (len(names) != columns or columns < 2)
     ]
     if len(pair) == 1:
         found.append(f"`{where}.preference.models: [{pair[0]}]` must name two models, or none to have them chosen.")
@@ -286,6 +319,25 @@ def _of_groups(names: Sequence[str], rows: Sequence[ModelRow]) -> list[str]:
     return [row.name for name in names for row in rows if name in (row.group, row.name)]
 
 
+def _ablation(ablation: Mapping, rows: Sequence[ModelRow]) -> dict[str, list[str]]:
+    """Heading -> cell of the model in each column, of the rows of the ablation table whose models the system has.
+
+    Of entries with several models, those with equal settings are compared; each such row is named after its models.
+    """
+    result = {}
+    for heading, names in ablation["rows"].items():
+        found = [
+            list({row.cell: row for row in rows if name in (row.group, row.name)}.values()) for name in names or ()
+        ]
+        alone = all(len(models) == 1 for models in found)
+        for first in found[0] if found else ():
+            equal = [[row.cell for row in models if alone or row.settings == first.settings] for models in found]
+            if all(len(cells) == 1 for cells in equal):
+                cells = [cell for (cell,) in equal]
+                result[heading if len(found[0]) == 1 else f"{heading}: {' / '.join(cells)}"] = cells
+    return result
+
+
 def _pair(system: Mapping, shown: str, rows: Sequence[ModelRow]) -> list[str]:
     """The two models of a preference test: as given, or the shown one and the last reference or baseline."""
     names = system["preference"]["models"]
@@ -293,6 +345,8 @@ def _pair(system: Mapping, shown: str, rows: Sequence[ModelRow]) -> list[str]:
         return list(names)
     family = next(row.family for row in rows if row.name == shown)
     others = [row.name for row in rows if row.role == "model" and row.family != family]
+    references = _of_groups(system["tables"]["gains"]["references"], rows)
+    others = [name for name in references if name in others] or others
     others = others or [row.name for row in rows if row.role == "baseline"]
     return [shown, next((name for name in reversed(others) if name != shown), "training_mean")]
 

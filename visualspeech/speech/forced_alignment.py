@@ -19,8 +19,8 @@ from visualspeech.speech.recognition import (
     recognise_phones,
     recognise_words,
     speech_part,
-    to_int16,
 )
+from visualspeech.speech.sound import to_int16
 
 NO_SPEECH = "there is no speech in the sound"
 TOO_SHORT = "the words of the transcript do not fit into the sound"

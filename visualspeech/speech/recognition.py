@@ -44,11 +44,6 @@ class RecognisedPhone:
         return round((self.borders[-1] - self.borders[0]) * RATE / STEP)
 
 
-def to_int16(samples: np.ndarray) -> np.ndarray:
-    """Samples (n,) in [-1, 1] as int16; values out of range are clipped."""
-    return np.round(np.clip(samples, -1, 1) * 32767).astype(np.int16)
-
-
 def speech_part(samples: np.ndarray, level: float, margin: float) -> tuple[int, int]:
     """First and last sample (exclusive) of the speech, by loudness.
 

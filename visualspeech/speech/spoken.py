@@ -4,7 +4,7 @@ For a text, phone times are a by-product of the speech synthesis (Fan 2015, 4.1)
 the three HMM states that models are trained with. Each phone is therefore divided among its states in their average
 proportions in the training alignments, or in thirds if these are not known; pauses are always divided in thirds, as in
 the alignment. For a recording, times are those of a forced alignment, or of phone recognition if there is no
-transcript.
+transcript. What is driven by sound alone needs neither: only pauses, by the level of the recording.
 """
 
 from collections.abc import Iterable, Iterator, Mapping
@@ -16,18 +16,22 @@ import numpy as np
 
 from visualspeech.errors import SettingError
 from visualspeech.media.reading import stream_audio
+from visualspeech.media.spooling import Spool
 from visualspeech.speech import tts
 from visualspeech.speech.alignment import Alignment, Segment
 from visualspeech.speech.forced_alignment import AlignmentSettings, pronounced
 from visualspeech.speech.lexicon import Lexicon
 from visualspeech.speech.phones import SILENCE, STATES
 from visualspeech.speech.pieces import align_pieces, recognised_pieces
-from visualspeech.speech.recognition import RATE, to_int16
+from visualspeech.speech.segmentation import alignment_of, pauses
 from visualspeech.speech.sentences import split_sentences
+from visualspeech.speech.sound import RATE, Sound, to_int16
 from visualspeech.speech.spoken_settings import VoiceSettings
 
 THIRDS = (1 / STATES,) * STATES
 SOUND_RATE = 48000  # Hz, of the sound of a recording in a video
+PIECE = 20.0  # seconds of a recording that are handed on at a time where nothing is aligned ...
+BESIDE = 1.0  # ... and seconds beside them whose pauses are told, too
 
 
 @dataclass(frozen=True)
@@ -40,12 +44,16 @@ class Spoken:
     samples : (n,) float32 in [-1, 1], mono
     rate : sample rate in Hz
     alignment : words, phones and states of the whole sound
+    sound : the recording of which this is a part, for models that read sound; None: the samples are all of it
+    begin : time in seconds in ``sound`` of the first sample
     """
 
     text: str
     samples: np.ndarray
     rate: int
     alignment: Alignment
+    sound: Sound | None = None
+    begin: float = 0.0
 
 
 def speak_text(
@@ -84,6 +92,7 @@ def speak_recording(
     lexicon: Lexicon | None = None,
     settings: AlignmentSettings | None = None,
     shares: Mapping[str, Iterable[float]] | None = None,
+    with_sound: bool = False,
 ) -> Iterator[Spoken]:
     """Recorded speech (a sound or video file) with its alignment, piece by piece.
 
@@ -95,6 +104,7 @@ def speak_recording(
     transcript : what is said; None if it is not known
     rate : frame rate of the video in Hz; pieces end at frame borders, so that they join without gaps
     shares : share of a phone's duration that each of its three states takes, by phone; used without a transcript
+    with_sound : whether models read the sound too, for which the file is read once more
 
     Raises
     ------
@@ -106,17 +116,68 @@ def speak_recording(
     if transcript is not None and not transcript.strip():
         raise SettingError(f"the text of {path} is empty; give what is said in it, or leave --text out.")
     words = None if transcript is None else pronounced(transcript, lexicon or Lexicon())
+    sound = spooled(path) if with_sound else None
     heard = (to_int16(block) for block in stream_audio(path, RATE))
-    given, held, done, text = stream_audio(path, SOUND_RATE), np.zeros(0, np.float32), 0, transcript or ""
     if words is None:
         found = ((end, timed(phones, (), shares)) for end, phones in recognised_pieces(heard, rate, settings))
     else:
         found = align_pieces(heard, words, settings, rate)
+    yield from _played(path, found, rate, transcript or "", sound)
+
+
+def speak_sound(path: str | Path, rate: float, text: str = "") -> Iterator[Spoken]:
+    """Recorded speech for a model that reads sound alone, piece by piece: nothing is recognised or aligned.
+
+    The alignment of a piece tells speech from pauses (:mod:`visualspeech.speech.segmentation`), some of them before and
+    after the piece: a piece may begin and end anywhere. Memory does not grow with the duration.
+
+    Parameters
+    ----------
+    rate : frame rate of the model in Hz; pieces end at frame borders
+    text : what is said, if it is known; it is handed on with the first piece
+
+    Raises
+    ------
+    RejectedUtterance
+        The file cannot be read, is too short, or there is no speech in it.
+    """
+    sound = spooled(path)
+    quiet, step = pauses(sound), max(1, round(PIECE * rate)) / rate
+    ends = [*np.arange(step, sound.seconds - 0.5 / rate, step).tolist(), sound.seconds]
+    found = (
+        (
+            round(end * RATE),
+            alignment_of(quiet, max(0.0, begin - BESIDE), min(end + BESIDE, sound.seconds), begin),
+        )
+        for begin, end in zip([0.0, *ends], ends, strict=False)
+    )
+    yield from _played(path, found, rate, text, sound)
+
+
+def spooled(path: str | Path) -> Sound:
+    """The sound of a recording in a temporary file.
+
+    Raises
+    ------
+    RejectedUtterance
+        The file cannot be read.
+    """
+    samples = Spool(np.int16)
+    for block in stream_audio(path, RATE):
+        samples.append(to_int16(block))
+    return Sound(samples)
+
+
+def _played(
+    path: str | Path, found: Iterable[tuple[int, Alignment]], rate: float, text: str, sound: Sound | None
+) -> Iterator[Spoken]:
+    """Pieces of a recording, each given by its last sample (exclusive) at 16 kHz, with the sound that is played."""
+    given, held, done = stream_audio(path, SOUND_RATE), np.zeros(0, np.float32), 0
     for end, alignment in found:
         count = round(round(end / RATE * rate) / rate * SOUND_RATE) - done
         while len(held) < count and (more := next(given, None)) is not None:
             held = np.concatenate([held, more])
-        yield Spoken(text, held[:count], SOUND_RATE, alignment)
+        yield Spoken(text, held[:count], SOUND_RATE, alignment, sound, done / SOUND_RATE)
         held, done, text = held[count:], done + count, ""
 
 

@@ -6,8 +6,10 @@ A missing diphthong is replaced by its first half.
 """
 
 from collections.abc import Iterable, Sequence
+from dataclasses import replace
 
 from visualspeech.errors import SettingError
+from visualspeech.speech.alignment import Alignment
 from visualspeech.speech.phones import CLASSES, PHONES, SILENCE, manner
 
 # Substitutes of each phone, the most similar first; if none is known, the phone with most classes in common is taken.
@@ -93,6 +95,23 @@ def substitutes(phones: Iterable[str], inventory: Sequence[str]) -> dict[str, st
     """
     needed = sorted({SILENCE, *phones} - set(inventory))
     return {phone: substitute(phone, inventory) for phone in needed}
+
+
+def in_phones(alignment: Alignment, phones: Sequence[str]) -> tuple[Alignment, dict[str, str]]:
+    """An alignment with only phones of an inventory, and the substitute of each phone that the inventory lacks.
+
+    Nothing is replaced where the inventory is empty.
+
+    Raises
+    ------
+    SettingError
+        As :func:`substitutes`.
+    """
+    replaced = substitutes((one.label for one in alignment.phones), phones) if phones else {}
+    if not replaced:
+        return alignment, {}
+    renamed = tuple(replace(one, label=replaced.get(one.label, one.label)) for one in alignment.phones)
+    return replace(alignment, phones=renamed), replaced
 
 
 def _common(one: str, other: str) -> int:

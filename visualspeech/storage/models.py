@@ -78,6 +78,25 @@ def read_model_of(
         The file is missing, not a model, a model of another kind or family, or not of this layout.
     """
     tensors, settings = read_model(path)
+    check_model(tensors, settings, path, what, kinds, layout, family)
+    return tensors, settings
+
+
+def check_model(
+    tensors: Mapping[str, np.ndarray],
+    settings: Mapping,
+    path: str | Path,
+    what: str,
+    kinds: Collection[str | None],
+    layout: FileLayout | None = None,
+    family: str = "",
+) -> None:
+    """Check that a model is what it should be; parameters and errors as of :func:`read_model_of`.
+
+    Parameters
+    ----------
+    tensors, settings : content of the file ``path``, or of a part of it
+    """
     if settings.get("kind") not in kinds or (family and settings.get("family") != family):
         raise DamagedFile(
             path, f"it holds no {what}", "Give the file that a run has written for it, or delete it and run again."
@@ -85,7 +104,6 @@ def read_model_of(
     if layout is not None:
         named = {"kind", "family"} if family else {"kind"}
         layout.check(path, tensors, {key: value for key, value in settings.items() if key not in named})
-    return tensors, settings
 
 
 def part_of(tensors: Mapping[str, np.ndarray], part: str) -> dict[str, np.ndarray]:

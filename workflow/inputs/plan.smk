@@ -120,6 +120,11 @@ def utterances_of(wildcards):
     return PLAN.corpora[wildcards.corpus].rows(wildcards.shard)
 
 
+def has_text(wildcards):
+    """Params function: whether the corpus gives transcripts, with which its speech is aligned."""
+    return "text" in PLAN.corpora[wildcards.corpus].gives
+
+
 def split_of(wildcards):
     """The split of a corpus: id -> train, validation or test."""
     return PLAN.corpora[wildcards.corpus].split

@@ -12,6 +12,35 @@ def speaking():
     return [(corpus, system, model) for corpus, name in PLAN.pairs if name == system]
 
 
+def sound_model_of(wildcards):
+    """Name of the row that speaks for recordings without a text; empty for none, and where the speaker's own does."""
+    name = system_of(wildcards)["sound_model"]
+    return "" if name == wildcards.model else name
+
+
+def sound_model_file(wildcards):
+    """Input function: the file of that row's model, or nothing."""
+    name = sound_model_of(wildcards)
+    return filled("<system>/models/{sound}/model.safetensors", wildcards, sound=name)[0] if name else []
+
+
+def speaker_code(script):
+    """Params function: digest of a script with the code of the rows that speak."""
+
+    def digest(wildcards):
+        names = [wildcards.model, *filter(None, [sound_model_of(wildcards)])]
+        return [model_code(script)(OfModel(wildcards, name)) for name in names]
+
+    return digest
+
+
+class OfModel:
+    """Wildcards of another model of a job's system, for the functions that take a job's."""
+
+    def __init__(self, wildcards, model):
+        self.corpus, self.system, self.model = wildcards.corpus, wildcards.system, model
+
+
 def sentences():
     """What is said, one text per video, by number."""
     try:

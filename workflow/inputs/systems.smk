@@ -1,7 +1,8 @@
 # The system, visual coding and row that a job belongs to.
 from visualspeech.face.point_sets import point_set_path
-from visualspeech.features.blocks.base import block_module
-from visualspeech.models.registry import FAMILIES
+from visualspeech.features.blocks.base import block_class, block_module, needs_of
+from visualspeech.models.families import FAMILIES
+from visualspeech.models.registry import code_modules
 from visualspeech.models.rows import ModelRow
 
 
@@ -57,13 +58,27 @@ def features_of(wildcards):
     ]
 
 
+def where_needed(need, pattern):
+    """Input function: files of the job's shard, or of all shards, if its input block is computed from ``need``."""
+
+    def paths(wildcards):
+        kind = system_of(wildcards)["blocks"][wildcards.block]["kind"]
+        if need not in needs_of(block_class(kind)):
+            return []
+        own = {} if hasattr(wildcards, "shard") else {"shard": PLAN.corpora[wildcards.corpus].shards}
+        return filled(pattern, wildcards, **own)
+
+    return paths
+
+
 def model_code(script):
-    """Params function: digest of a script with the code of the row's family and of the input blocks that it reads."""
+    """Params function: digest of a script with the code of the families of the row and of the rows that it is made of,
+    and of the input blocks that it reads."""
 
     def digest(wildcards):
         row, blocks = row_of(wildcards), system_of(wildcards)["blocks"]
         kinds = [block_module(blocks[name]["kind"]) for name in row.reads]
-        return code(script, FAMILIES[row.family].module, *kinds)
+        return code(script, *code_modules(row, rows_of(wildcards.system)), *kinds)
 
     return digest
 

@@ -49,6 +49,12 @@ def of_gains(system):
     return [*gains["candidates"], *gains["references"]]
 
 
+def of_ablation(system):
+    """Names of the rows of the ablation table, with their repetitions."""
+    cells = [cell for cells in system["tables"]["ablation"]["rows"].values() for cell in cells]
+    return [row["name"] for row in system["rows"] if row["cell"] in cells]
+
+
 def tables_of(system):
     """Names of a system's tables."""
     wanted = SETTINGS["systems"][system]["tables"]
@@ -59,6 +65,7 @@ def tables_of(system):
         "comparisons",
         "articulation",
         *(["gains"] if gains["candidates"] and gains["references"] else []),
+        *(["ablation"] if wanted["ablation"]["rows"] else []),
     ]
 
 

@@ -1,3 +1,4 @@
+# Without transcripts nothing is aligned: the table then tells speech from pauses.
 rule align_speech:
     input:
         # Nothing heavy starts before every recording is checked; the check's time stamp is no reason to align again.
@@ -17,6 +18,7 @@ rule align_speech:
         disk_mb=200,
     params:
         settings=SETTINGS["alignment"],
+        text=has_text,
         code=code("align_speech.py"),
     script:
         "../scripts/align_speech.py"
@@ -46,7 +48,8 @@ rule export_alignment:
 
 rule list_phones:
     input:
-        shards("<corpus>/alignment/{shard}.tsv"),
+        split="<corpus>/corpus/split.tsv",
+        alignment=shards("<corpus>/alignment/{shard}.tsv"),
     output:
         "<corpus>/phones.tsv",
     log:

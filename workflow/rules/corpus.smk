@@ -42,6 +42,7 @@ rule check_recordings:
         disk_mb=1000,
     params:
         settings=SETTINGS["check"],
+        text=has_text,
         recordings=recordings_digest,
         code=code("check_recordings.py"),
     script:

@@ -23,8 +23,9 @@ rule build_targets:
 rule fit_block:
     input:
         utterances=of_coding("utterances.tsv"),
-        phones="<corpus>/phones.tsv",
-        alignment=shards("<corpus>/alignment/{shard}.tsv"),
+        phones=where_needed("text", "<corpus>/phones.tsv"),
+        alignment=where_needed("text", "<corpus>/alignment/{shard}.tsv"),
+        audio=where_needed("audio", "<corpus>/audio/{shard}.h5"),
         targets=shards("<system>/targets/{shard}.h5"),
     output:
         "<system>/features/{block}/block.safetensors",
@@ -49,7 +50,8 @@ rule fit_block:
 rule encode_block:
     input:
         block="<system>/features/{block}/block.safetensors",
-        alignment="<corpus>/alignment/{shard}.tsv",
+        alignment=where_needed("text", "<corpus>/alignment/{shard}.tsv"),
+        audio=where_needed("audio", "<corpus>/audio/{shard}.h5"),
         targets="<system>/targets/{shard}.h5",
     output:
         "<system>/features/{block}/{shard}.h5",

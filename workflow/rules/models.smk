@@ -8,11 +8,9 @@ rule train_model:
             "<system>/features/{block}/block.safetensors", wildcards, block=row_of(wildcards).reads
         ),
         features=features_of,
-        # The model that it is made from, where the settings say `from`.
-        parent=lambda wildcards: filled(
-            "<system>/models/{parent}/model.safetensors",
-            wildcards,
-            parent=list(filter(None, [row_of(wildcards).parent])),
+        # The models that it is made from.
+        parents=lambda wildcards: filled(
+            "<system>/models/{parent}/model.safetensors", wildcards, parent=row_of(wildcards).parents
         ),
     output:
         model="<system>/models/{model}/model.safetensors",

@@ -4,6 +4,7 @@ rule bundle_speaker:
         utterances=of_coding("utterances.tsv"),
         phones="<corpus>/phones.tsv",
         model="<system>/models/{model}/model.safetensors",
+        sound=sound_model_file,
         aam=of_coding("model.safetensors"),
         reference=of_coding("reference.safetensors"),
         head=of_head,
@@ -31,7 +32,8 @@ rule bundle_speaker:
         background=SPEAK["background"],
         seconds=SPEAK["background_seconds"],
         names=names_of,
-        code=model_code("bundle_speaker.py"),
+        sound_model=sound_model_of,
+        code=speaker_code("bundle_speaker.py"),
     script:
         "../scripts/bundle_speaker.py"
 

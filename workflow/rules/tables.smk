@@ -156,6 +156,28 @@ rule tabulate_gains:
         "../scripts/tabulate_gains.py"
 
 
+rule tabulate_ablation:
+    input:
+        utterances=of_coding("utterances.tsv"),
+        coding=of_coding("model.safetensors"),
+        statistics=statistics_of(names=of_ablation),
+    output:
+        multiext("<system>/tables/ablation", *FORMS),
+    log:
+        "<system>/logs/tabulate_ablation.log",
+    params:
+        rows=carried(plain_rows(names=of_ablation)),
+        rows_digest=marked(plain_rows(names=of_ablation)),
+        ablation=lambda wildcards: system_of(wildcards)["tables"]["ablation"],
+        facts=facts_of,
+        settings=table_settings,
+        bootstrap=lambda wildcards: system_of(wildcards)["tables"]["bootstrap"],
+        seed=SEED,
+        code=code("tabulate_ablation.py"),
+    script:
+        "../scripts/tabulate_ablation.py"
+
+
 rule tabulate_systems:
     input:
         utterances=of_systems(lambda wildcards: [of_coding("utterances.tsv")(wildcards)]),

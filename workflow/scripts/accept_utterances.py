@@ -18,12 +18,14 @@ with (
     speakers = {name: legal_id(one.speaker) for name, one in utterances.items()}
     heads = load_heads(snakemake.params.speakers, snakemake.input.heads)
     settings = ScreeningSettings(**snakemake.params.settings)
-    refused = screen_speakers(landmarks, pose, heads, speakers, settings)
+    split = read_split(snakemake.input.split)
+    training = {name for name, part in split.items() if part == "train"}
+    refused = screen_speakers(landmarks, pose, heads, speakers, training, settings)
     findings = read_findings(*snakemake.input.findings)
     findings += [rejection(one, "pose", utterances[one].media, error) for one, error in refused.items()]
     check_share(findings, len(utterances), snakemake.params.limit)
     rejected = rejected_ids(findings)
     accepted = [one for one in utterances.values() if one.id in pose and one.id not in rejected]
     log.info("%d of %d utterances accepted", len(accepted), len(utterances))
-    write_accepted(snakemake.output.accepted, accepted, read_split(snakemake.input.split))
+    write_accepted(snakemake.output.accepted, accepted, split)
     write_findings(snakemake.output.findings, findings)

@@ -16,7 +16,7 @@ with (
 ):
     bundle_speaker(
         snakemake.output[0],
-        {name: source[name] for name in ("model", "aam", "reference", "head")},
+        {name: source[name] for name in ("model", "aam", "reference", "head", "sound") if source[name]},
         read_phones(source.phones),
         read_utterances(source.utterances),
         source.alignment,
@@ -24,5 +24,6 @@ with (
         params.background,
         seconds=params.seconds,
         model=snakemake.wildcards.model,
+        sound_model=params.sound_model,
         **params.names,
     )

@@ -15,7 +15,7 @@ with job(snakemake.log[0]):
     findings, digests = [], {}
     with ArrayWriter(snakemake.output.audio) as audio:
         for utterance in progress(utterances, len(utterances), "utterances"):
-            checked = check_recording(utterance, lexicon.unknown_words, settings)
+            checked = check_recording(utterance, lexicon.unknown_words, settings, snakemake.params.text)
             findings += checked.findings
             digests[utterance.id] = checked.digest
             if checked.samples is not None:

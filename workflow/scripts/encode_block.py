@@ -1,16 +1,18 @@
 """The streams of one input block for one shard."""
 
-from visualspeech.features.blocks.base import load_block, read_sources
+from visualspeech.features.blocks.base import load_block, phones_of, read_sources
 from visualspeech.jobs import job
-from visualspeech.storage.arrays import ArrayReader, ArrayWriter
+from visualspeech.storage.arrays import ArrayCollection, ArrayReader, ArrayWriter
 
 source = snakemake.input
 with (
     job(snakemake.log[0]),
     ArrayReader(source.targets) as targets,
+    ArrayCollection(source.audio) as sound,
     ArrayWriter(snakemake.output[0]) as out,
 ):
     block = load_block(source.block)
-    sources = read_sources(source.alignment, targets, targets.ids, complete=True)
+    alignment, audio = next(iter(source.alignment), None), sound if source.audio else None
+    sources = read_sources(alignment, targets, targets.ids, phones_of(block), complete=True, audio=audio)
     for name, stream in zip(sources, block.encode(list(sources.values())), strict=True):
         out.add(name, stream.arrays(), targets.rate(name))

@@ -26,9 +26,9 @@ with (
     )
     # Not an output: it must outlive a killed job, whose outputs are removed before it runs again.
     checkpoint = Path(snakemake.output.model).with_name("checkpoint.safetensors")
-    parent = Path(source.parent[0]) if source.parent else None
+    parents = [Path(path) for path in source.parents]
     blocks = load_blocks(dict(zip(row.reads, source.blocks, strict=True)))
-    task = Task(row, blocks, training, validation, file_digest(source.coding), parent, checkpoint)
+    task = Task(row, blocks, training, validation, file_digest(source.coding), parents, checkpoint)
     fitted = import_module(snakemake.params.module).fit(task)
     write_table(snakemake.output.curve, fitted.curve)
     fitted.model.save(snakemake.output.model)

@@ -18,7 +18,8 @@ from visualspeech.face.drift import FaceReference
 from visualspeech.face.head import fit_head
 from visualspeech.face.point_sets import to_vector
 from visualspeech.face.pose import estimate, to_frontal
-from visualspeech.features.blocks.base import Block
+from visualspeech.features.blocks.base import Block, Source
+from visualspeech.features.blocks.log_mel import LogMel
 from visualspeech.features.blocks.triphone_state import TriphoneState
 from visualspeech.models.batches import Scaling
 from visualspeech.models.network import Network
@@ -31,8 +32,13 @@ CONSENT = "Drawn; it is nobody."
 LENGTHS = (40, 30)
 
 
-def make(folder: Path, phones=PHONES, rate: float = 25.0, seed: int = 4) -> Path:
-    """Write a bundle; its network has random weights, and says nothing sensible."""
+def make(folder: Path, phones=PHONES, rate: float = 25.0, seed: int = 4, text: bool = True) -> Path:
+    """Write a bundle; its networks have random weights, and say nothing sensible.
+
+    Parameters
+    ----------
+    text : whether its model reads labels, and a second one sound; otherwise its one model reads sound
+    """
     folder.mkdir(parents=True)
     points = heads.record(sum(LENGTHS), seed=seed, mouth=5).points
     recordings = np.split(points, [LENGTHS[0]])
@@ -49,8 +55,11 @@ def make(folder: Path, phones=PHONES, rate: float = 25.0, seed: int = 4) -> Path
     head.save(folder / FILES["head"])
     aam.save(folder / FILES["aam"])
     reference.save(folder / FILES["reference"])
-    blocks = {"tri": TriphoneState(tuple(phones))}
-    network(appearance, blocks, rate, file_digest(folder / FILES["aam"])).save(folder / FILES["model"])
+    labels, mel = {"tri": TriphoneState(tuple(phones))}, {"mel": LogMel.fit({}, (), iter([Source(1, rate)]))}
+    coding = file_digest(folder / FILES["aam"])
+    network(appearance, labels if text else mel, rate, coding).save(folder / FILES["model"])
+    if text:
+        network(appearance, mel, rate, coding).save(folder / FILES["sound"])
     write_background(
         folder / FILES["background"],
         (
@@ -58,7 +67,8 @@ def make(folder: Path, phones=PHONES, rate: float = 25.0, seed: int = 4) -> Path
             for i, one in enumerate(recordings)
         ),
     )
-    describe_bundle(folder, phones, {"aa": (0.2, 0.5, 0.3)}, appearance.mean(axis=0), "drawn", "F-4", CONSENT)
+    shares, rest = {"aa": (0.2, 0.5, 0.3)}, appearance.mean(axis=0)
+    describe_bundle(folder, phones, shares, rest, "drawn", "F-4", CONSENT, "F-4-mel" if text else "")
     return folder
 
 

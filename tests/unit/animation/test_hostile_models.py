@@ -22,7 +22,7 @@ def test_no_alteration_is_a_crash_or_goes_unsaid(speaker, tmp_path, seed):
     found = Counter("error" if one.error else "used" for one in outcomes)
     # The campaign must reach both: what is refused, and what is harmless.
     assert found["error"] > 0.5 * len(outcomes) and found["used"] > 0.1 * len(outcomes)
-    assert {one.case.partition(":")[0] for one in outcomes} >= {*hostile_models.FAMILIES, "aam", "head", "background"}
+    assert {one.case.partition(":")[0] for one in outcomes} >= {*hostile_models.MODELS, "aam", "head", "background"}
 
 
 def test_the_first_cases_of_a_longer_campaign_are_those_of_a_shorter_one(speaker, tmp_path):

@@ -8,7 +8,7 @@ import pytest
 from tests.unit.animation import speakers
 from visualspeech.animation import speaking
 from visualspeech.animation.bundle import FILES, SpeakerBundle, check_together
-from visualspeech.animation.performance import REST, in_phones_of, pause_weights, perform
+from visualspeech.animation.performance import REST, pause_weights, perform
 from visualspeech.animation.speaking import scene, speak, speaking_frames
 from visualspeech.animation.speaking_settings import SpeakSettings
 from visualspeech.errors import DataError, SettingError, StorageError
@@ -22,6 +22,7 @@ from visualspeech.provenance import file_digest
 from visualspeech.speech.phones import PHONES
 from visualspeech.speech.spoken import Spoken, speak_text, timed
 from visualspeech.speech.spoken_settings import VoiceSettings
+from visualspeech.speech.substitutes import in_phones
 from visualspeech.storage.models import read_model, write_model
 
 
@@ -223,12 +224,12 @@ def test_a_network_of_richer_labels_speaks_too(bundle):
 
 def test_phones_that_the_model_lacks_are_replaced_or_refused(bundle):
     alignment = timed([("sil", 0, 0.1), ("zh", 0.1, 0.2), ("oy", 0.2, 0.4)])
-    renamed, replaced = in_phones_of(alignment, [phone for phone in PHONES if phone not in ("zh", "oy")])
+    renamed, replaced = in_phones(alignment, [phone for phone in PHONES if phone not in ("zh", "oy")])
     assert replaced == {"zh": "jh", "oy": "ao"}
     assert [phone.label for phone in renamed.phones] == ["sil", "jh", "ao"]
-    assert in_phones_of(alignment, PHONES) == (alignment, {})
+    assert in_phones(alignment, PHONES) == (alignment, {})
     with pytest.raises(SettingError, match="not those of the voice"):
-        in_phones_of(alignment, ["SIL", "X"])
+        in_phones(alignment, ["SIL", "X"])
 
 
 def test_a_scene_is_mixed_in_all_its_parts_alike(bundle):

@@ -36,8 +36,11 @@ def test_fewer_frames_than_utterances(landmarks):
 
 
 def test_another_frame_size_is_rejected_by_name(landmarks):
-    refused = screen_frame_sizes(landmarks, [f"u{number}" for number in range(6)])
+    ids = [f"u{number}" for number in range(6)]
+    refused = screen_frame_sizes(landmarks, ids, ids)
     assert list(refused) == ["u5"] and "99x288" in refused["u5"].reason
+    # The usual size is that of the training utterances, however many others there are.
+    assert list(screen_frame_sizes(landmarks, ids, ["u5"])) == ids[:5]
 
 
 def test_nothing_to_fit_is_a_sentence(landmarks):

@@ -89,10 +89,13 @@ def test_landmarks_that_jump_are_named():
 
 def test_one_odd_utterance_stands_out_of_the_corpus():
     errors = {f"u{i:02d}": 0.4 + 0.01 * (i % 5) for i in range(20)}
-    assert screening.screen_rigid_errors(errors) == {}
-    refused = screening.screen_rigid_errors(errors | {"odd": 0.9})
+    assert screening.screen_rigid_errors(errors, errors) == {}
+    refused = screening.screen_rigid_errors(errors | {"odd": 0.9}, errors)
     assert list(refused) == ["odd"] and "0.90 px" in refused["odd"].reason
-    assert screening.screen_rigid_errors({"a": 0.1, "b": 5.0}) == {}
+    assert screening.screen_rigid_errors({"a": 0.1, "b": 5.0}, ["a", "b"]) == {}
+    # Test utterances do not say what is usual.
+    test = {f"t{i}": 0.9 for i in range(40)}
+    assert list(screening.screen_rigid_errors(errors | test, errors)) == sorted(test)
 
 
 def test_what_the_pictures_lack_is_named_before_the_missing_face(monkeypatch):

@@ -55,7 +55,7 @@ def test_a_head_is_fitted_to_the_speakers_own_utterances(corpus):
 
 def test_utterances_are_compared_with_those_of_their_speaker(corpus):
     landmarks, poses, heads = corpus
-    refused = screen_speakers(landmarks, poses, heads, SPEAKERS)
+    refused = screen_speakers(landmarks, poses, heads, SPEAKERS, set(SPEAKERS))
     assert list(refused) == ["a03", "b05"]
     assert "nose and eyes move" in refused["a03"].reason
     assert "360x288 pixels, those of most utterances 720x576" in refused["b05"].reason

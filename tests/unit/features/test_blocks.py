@@ -9,15 +9,25 @@ import pytest
 from tests.unit.speech.alignments import even_alignment
 from visualspeech.errors import DataError, SettingError, StorageError
 from visualspeech.features.blocks import base
-from visualspeech.features.blocks.base import Source, block_class, block_kinds, block_module, load_block, save_block
+from visualspeech.features.blocks.base import (
+    Source,
+    block_class,
+    block_kinds,
+    block_module,
+    load_block,
+    needs_of,
+    save_block,
+)
 from visualspeech.features.contexts import phone_contexts, phone_inventory
 from visualspeech.features.label_parts import PARTS, label_parts
-from visualspeech.features.labels import label_indices, one_hot
+from visualspeech.features.labels import label_indices, label_shares, one_hot
 from visualspeech.features.streams import check_stream
 from visualspeech.fields import Settings, with_defaults
 from visualspeech.models.block_states import load_blocks, pack, unpack
 from visualspeech.speech import tts
 from visualspeech.speech.alignment import to_table
+from visualspeech.speech.phone_classes import PHONE_CLASSES
+from visualspeech.speech.sound import Sound
 from visualspeech.storage.arrays import ArrayReader, ArrayWriter
 from visualspeech.storage.models import write_model
 from visualspeech.storage.tables import write_table
@@ -26,34 +36,50 @@ SENTENCES = (
     [("sil", ["sil"]), ("computer", "k ah m p y uw t er".split()), ("a", ["ah"]), ("sil", ["sil"])],
     [("sil", ["sil"]), ("map", ["m", "ae", "p"]), ("sil", ["sil"])],
 )
-SOURCES = [Source(frames, 25.0, even_alignment(words)) for frames, words in zip((28, 13), SENTENCES, strict=True)]
+LENGTHS = (28, 13)
+SOURCES = [Source(frames, 25.0, even_alignment(words)) for frames, words in zip(LENGTHS, SENTENCES, strict=True)]
+NOISE = np.random.default_rng(5).normal(0, 2000, (2, 18000)).astype(np.int16)
+HEARD = [
+    replace(one, sound=Sound(noise[: 640 * one.frames])) for one, noise in zip(SOURCES, NOISE, strict=True)
+]  # fmt: skip
 PHONES = phone_inventory(source.alignment for source in SOURCES)
 
 
 def fitted(kind, **settings):
     cls = block_class(kind)
-    return cls.fit(with_defaults(cls.settings, settings) if cls.settings else {}, PHONES, iter(()))
+    return cls.fit(with_defaults(cls.settings, settings) if cls.settings else {}, PHONES, iter(HEARD))
 
 
 def test_the_kinds_are_the_modules():
-    assert block_kinds() == ["label_parts", "phone_track", "triphone_state"]
+    assert block_kinds() == ["label_parts", "log_mel", "phone_classes", "phone_track", "triphone_state"]
     for kind in block_kinds():
         cls = block_class(kind)
         assert cls.kind == kind and cls.__module__ == block_module(kind)
         assert cls.settings is None or issubclass(cls.settings, Settings)
-    with pytest.raises(StorageError, match="kind 'triphones' is unknown. Known: label_parts, phone_track"):
+    known = "label_parts, log_mel, phone_classes, phone_track"
+    with pytest.raises(StorageError, match=f"kind 'triphones' is unknown. Known: {known}"):
         block_class("triphones")
 
 
-@pytest.mark.parametrize("kind", block_kinds())
-def test_streams_fit_the_layout_and_the_file_gives_the_same(tmp_path, kind):
-    block = fitted(kind)
+@pytest.mark.parametrize(
+    ("kind", "settings"),
+    [
+        *((kind, {}) for kind in block_kinds()),
+        ("triphone_state", {"fractional": True}),
+        ("triphone_state", {"states": "thirds"}),
+        ("phone_classes", {"fractional": True, "states": "thirds"}),
+        ("phone_classes", {"states": "none"}),
+        ("phone_track", {"states": "aligned"}),
+    ],
+)
+def test_streams_fit_the_layout_and_the_file_gives_the_same(tmp_path, kind, settings):
+    block = fitted(kind, **settings)
     save_block(tmp_path / "block.safetensors", block)
     again = load_block(tmp_path / "block.safetensors")
     assert again == block and again.layout == block.layout
-    streams = list(block.encode(SOURCES))
-    assert len(streams) == len(SOURCES)
-    for stream, other, source in zip(streams, again.encode(SOURCES), SOURCES, strict=True):
+    streams = list(block.encode(HEARD))
+    assert len(streams) == len(HEARD)
+    for stream, other, source in zip(streams, again.encode(HEARD), HEARD, strict=True):
         check_stream(stream, block.layout, kind)
         assert block.layout.segmental or len(stream) == source.frames
         assert stream.arrays().keys() == other.arrays().keys()
@@ -74,6 +100,53 @@ def test_phone_track_has_the_starts_of_the_phones():
     for stream, source in zip(fitted("phone_track").encode(SOURCES), SOURCES, strict=True):
         assert np.array_equal(stream.index, phone_contexts(source.alignment, PHONES))
         assert stream.starts.tolist() == [phone.start for phone in source.alignment.phones]
+
+
+def test_phone_track_can_have_the_starts_of_the_states():
+    for stream, source in zip(fitted("phone_track", states="aligned").encode(SOURCES), SOURCES, strict=True):
+        phones, states = source.alignment.phones, source.alignment.states
+        assert np.array_equal(stream.index[:, :3], np.repeat(phone_contexts(source.alignment, PHONES), 3, axis=0))
+        assert stream.index[:, 3].tolist() == [0, 1, 2] * len(phones)
+        assert stream.starts.tolist() == [state.start for state in states]
+
+
+def test_triphone_state_as_shares_of_the_frame():
+    block, source = fitted("triphone_state", fractional=True), SOURCES[0]
+    classes = fitted("triphone_state").layout
+    assert (block.layout.sizes, block.layout.dimension) == ((), classes.width)
+    stream = next(block.encode([source]))
+    expected = label_shares(source.alignment, source.frames, source.rate, PHONES)
+    assert stream.index is None and np.array_equal(stream.values, expected)
+    thirds = next(fitted("triphone_state", fractional=True, states="thirds").encode([source]))
+    assert np.allclose(thirds.values, expected, atol=1e-5)  # the states of these utterances are even
+
+
+@pytest.mark.parametrize("fractional", [False, True])
+def test_phone_classes_are_those_of_the_three_phones(fractional):
+    """Classes are a linear map of labels: memberships weighted by the shares of the phones."""
+    block = fitted("phone_classes", fractional=fractional)
+    members = np.array([[phone in one for one in PHONE_CLASSES.values()] for phone in PHONES], float)
+    for stream, source in zip(block.encode(SOURCES), SOURCES, strict=True):
+        asked = source.alignment, source.frames, source.rate, PHONES
+        labels = label_shares(*asked) if fractional else one_hot(label_indices(*asked), len(PHONES))
+        *phones, states = np.split(labels, len(PHONES) * np.arange(1, 4), axis=1)
+        expected = np.concatenate([*(part @ members for part in phones), states], axis=1)
+        assert np.allclose(stream.values, expected, atol=1e-5)
+    without = fitted("phone_classes", fractional=fractional, states="none")
+    assert without.layout.dimension == block.layout.dimension - 3
+    assert np.array_equal(next(without.encode(SOURCES[:1])).values, next(block.encode(SOURCES[:1])).values[:, :-3])
+
+
+def test_phone_classes_need_no_inventory():
+    cls = block_class("phone_classes")
+    block = cls.fit(with_defaults(cls.settings, {}), PHONES[:2], ())
+    assert np.array_equal(*(next(one.encode(SOURCES[:1])).values for one in (block, fitted("phone_classes"))))
+    columns = list(PHONE_CLASSES)
+    values = next(block.encode(SOURCES[1:])).values[:, len(columns) : 2 * len(columns)]
+    frame = 3  # 0.14 s: the m of "map"
+    assert {name for name, value in zip(columns, values[frame], strict=True) if value} == {
+        "nasal", "bilabial", "sonorant", "labial", "consonant", "voiced",
+    }  # fmt: skip
 
 
 def test_label_parts_are_those_that_the_settings_name():
@@ -97,7 +170,8 @@ def test_the_synthesiser_is_asked_once_and_for_stress_alone(monkeypatch):
 
 def test_phones_of_another_corpus_are_named():
     for kind in ("triphone_state", "phone_track"):
-        block = block_class(kind).fit({}, PHONES[:3], iter(()))
+        cls = block_class(kind)
+        block = cls.fit(with_defaults(cls.settings, {}), PHONES[:3], iter(()))
         with pytest.raises(DataError, match="the inventory of 3 phones does not have"):
             list(block.encode(SOURCES))
 
@@ -124,8 +198,42 @@ def test_what_blocks_are_computed_from(tmp_path):
     with ArrayReader(tmp_path / "targets.h5") as targets:
         # Utterance b is accepted but has no targets; c has some and is not accepted.
         assert base.read_sources(tmp_path / "alignment.tsv", targets, ["a", "b"]) == {"a": SOURCES[0]}
+        known = [phone for phone in PHONES if phone != "ah"]
+        (other,) = base.read_sources(tmp_path / "alignment.tsv", targets, ["a"], known).values()
+        assert {one.label for one in other.alignment.phones} <= set(known)
         found = base.read_sources(tmp_path / "alignment.tsv", targets, ["c"])["c"]
     assert (found.frames, found.rate) == (56, 50.0)
+
+
+def test_blocks_say_what_they_are_computed_from():
+    needs = {kind: needs_of(block_class(kind)) for kind in block_kinds()}
+    assert needs.pop("log_mel") == ("audio",) and set(needs.values()) == {("text",)}
+    # What a label block reads does not change where there is sound.
+    for kind in needs:
+        for one, other in zip(fitted(kind).encode(SOURCES), fitted(kind).encode(HEARD), strict=True):
+            assert all(np.array_equal(values, other.arrays()[name]) for name, values in one.arrays().items())
+
+
+def test_sound_is_read_when_a_block_asks_for_it(tmp_path):
+    with ArrayWriter(tmp_path / "audio.h5") as out:
+        for name, samples in zip("ab", NOISE, strict=True):
+            out.add(name, {"samples": samples}, rate=16000)
+    with ArrayWriter(tmp_path / "targets.h5") as out:
+        out.add("a", {"appearance": np.zeros((28, 2))}, rate=25.0)
+        out.add("c", {"appearance": np.zeros((28, 2))}, rate=25.0)
+    with ArrayReader(tmp_path / "targets.h5") as targets, ArrayReader(tmp_path / "audio.h5") as audio:
+        found = base.read_sources(None, targets, ["a", "b", "c"], audio=audio)
+        assert list(found) == ["a"] and found["a"].alignment is None  # b has no targets, c no sound
+        sound = found["a"].sound
+        assert (len(sound.samples), sound.rate) == (18000, 16000)
+        assert np.array_equal(sound.between(7, 12), NOISE[0, 7:12] / 32768)
+        block = fitted("log_mel")
+        (stream,) = block.encode([found["a"]])
+        (other,) = block.encode([replace(SOURCES[0], sound=Sound(NOISE[0]))])
+        assert np.array_equal(stream.values, other.values)
+        # A block that must have all of them fails where one is missing, and does not leave it out.
+        with pytest.raises(StorageError, match="audio.h5.*'c'"):
+            list(block.encode(list(base.read_sources(None, targets, ["a", "c"], True, audio).values())))
 
 
 def test_blocks_inside_a_model():

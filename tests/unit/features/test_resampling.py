@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 from visualspeech.errors import DataError
-from visualspeech.features.resampling import resample
+from visualspeech.features.resampling import at_times, back_from_times, resample
 from visualspeech.timing import frame_times
 
 
@@ -73,3 +73,15 @@ def test_a_part_is_that_of_the_whole(rate_in, rate_out):
     end = int(last / rate_out * rate_in) + 3
     part = resample(values[begin:end], rate_in, rate_out, last - first, begin=first / rate_out - begin / rate_in)
     assert np.allclose(part, whole[first:last])
+
+
+@pytest.mark.parametrize("frames", [1, 2, 30])
+def test_reading_at_times_and_its_transpose(frames):
+    generator = np.random.default_rng(4)
+    values, times = generator.normal(size=(frames, 3)), generator.uniform(-0.1, 0.4, 50)
+    expected = np.stack([np.interp(times, frame_times(frames, 100.0), column) for column in values.T], axis=1)
+    read = at_times(values, 100.0, times)
+    assert np.allclose(read, expected)
+    errors = generator.normal(size=read.shape)
+    back = back_from_times(errors, frames, 100.0, times)
+    assert back.shape == values.shape and np.isclose((errors * read).sum(), (back * values).sum())

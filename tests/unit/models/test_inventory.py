@@ -11,10 +11,11 @@ from visualspeech.features.blocks.label_parts import LabelParts
 from visualspeech.features.blocks.phone_track import PhoneTrack
 from visualspeech.features.blocks.triphone_state import TriphoneState
 from visualspeech.features.examples import Example
-from visualspeech.models import lookup, mean, stack
+from visualspeech.models import ensemble, gv_compensation, lookup, mean, stack
+from visualspeech.models.families import FAMILIES
 from visualspeech.models.hmm import family as hmm
 from visualspeech.models.inventory import phones_of, predict_alignment
-from visualspeech.models.registry import FAMILIES, load_model
+from visualspeech.models.registry import load_model
 
 PHONES = ("sil", "ae", "m", "p")
 ALIGNMENT = even_alignment([("sil", ["sil"]), ("map", ["m", "ae", "p"]), ("sil", ["sil"])], 0.2)
@@ -24,7 +25,11 @@ CASES = {
     "hmm": (hmm, {"variant": "monophone", "states": 2, "rate": 50.0}, {"track": TRACK}, {}),
     "lookup": (lookup, {}, {"tri": TRI}, {}),
     "mean": (mean, {}, {}, {}),
+    "ensemble": (ensemble, {"members": ["hmm", "lookup"]}, {"track": TRACK, "tri": TRI}, {}),
+    "gv_compensation": (gv_compensation, {}, {"tri": TRI}, {}),
 }
+#: Families of the models that one of a family is made of.
+PARENTS = {"ensemble": ["hmm", "lookup"], "gv_compensation": ["lookup"]}
 
 
 def examples(blocks):
@@ -36,10 +41,17 @@ def examples(blocks):
 
 
 @pytest.fixture(params=CASES)
-def model(request):
-    module, settings, blocks, options = CASES[request.param]
+def model(request, tmp_path):
+    return fitted(request.param, tmp_path)
+
+
+def fitted(family, folder):
+    module, settings, blocks, options = CASES[family]
+    paths = [folder / f"{name}.safetensors" for name in PARENTS.get(family, [])]
+    for name, path in zip(PARENTS.get(family, []), paths, strict=True):
+        fitted(name, folder).save(path)
     given = examples(blocks)
-    return module.fit(task(request.param, settings, given, given, blocks, options)).model
+    return module.fit(task(family, settings, given, given, blocks, options, parents=paths)).model
 
 
 def test_all_families_are_here():

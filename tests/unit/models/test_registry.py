@@ -3,6 +3,7 @@
 import importlib
 import json
 import sys
+from dataclasses import asdict
 
 import numpy as np
 import pytest
@@ -10,9 +11,12 @@ import pytest
 from tests.unit.models.examples import BLOCKS, Values, task, utterances
 from visualspeech.errors import SettingError, StorageError
 from visualspeech.fields import Settings
-from visualspeech.models import mean, registry
-from visualspeech.models.registry import ALWAYS, ENTRY_KEYS, FAMILIES, Family, expand, load_model
+from visualspeech.models import families, mean
+from visualspeech.models.entries import ENTRY_KEYS
+from visualspeech.models.families import FAMILIES, Family
+from visualspeech.models.registry import ALWAYS, expand, load_model
 from visualspeech.models.rows import ROLES, ModelRow
+from visualspeech.models.stack_settings import StackSettings
 from visualspeech.models.training_settings import training_settings
 from visualspeech.schema import settings_class
 from visualspeech.storage.models import write_model
@@ -38,7 +42,7 @@ def test_a_grid_gives_a_row_for_each_combination():
     assert names({"nets": NETS}) == ["FBB-64", "FBB-128", "F-64", "F-128"]
     one = row({"nets": NETS}, "FBB-128")
     assert (one.group, one.cell, one.title, one.role, one.family) == ("nets", "FBB-128", "FBB-128", "model", "stack")
-    assert one.settings == {"letters": "FBB", "nodes": 128, "b_nodes": "direction"} and one.reads == ("tri",)
+    assert one.settings == asdict(StackSettings("FBB", 128)) and one.reads == ("tri",)
 
 
 def test_an_entry_without_a_list_has_its_own_name():
@@ -76,7 +80,7 @@ def test_like_takes_over_settings_and_from_a_model_too():
     }
     found = {one.name: one for one in rows(chain)}
     assert found["tied"].settings["states"] == 3 and found["mge"].settings["states"] == 4
-    assert [found[name].parent for name in ("hmm", "tied", "mge", "other")] == ["", "hmm", "tied", "tied"]
+    assert [found[name].parents for name in chain] == [(), ("hmm",), ("tied",), ("tied",)]
     assert found["other"].settings["variant"] == "mge" and found["other"].reads == ("track",)
     assert [found[name].title for name in ("hmm", "tied", "mge")] == [
         "First", "tied-state triphone HMM", "MGE-trained HMM",
@@ -163,7 +167,7 @@ def test_every_family_is_what_its_entry_says(name):
     assert family.role in ROLES
     if family.module:
         module = importlib.import_module(family.module)
-        assert name == module.FAMILY and callable(module.fit) and callable(module.load)
+        assert name == module.FAMILY and callable(module.fit) and callable(module.restore)
 
 
 def test_what_is_always_there_needs_no_settings():
@@ -188,7 +192,7 @@ import numpy as np
 from visualspeech.models.block_states import BLOCK_ARRAYS, BLOCKS, pack, unpack
 from visualspeech.models.task import Fitted, check_streams
 from visualspeech.storage.layouts import Array, FileLayout
-from visualspeech.storage.models import read_model_of, write_model
+from visualspeech.storage.models import check_model, write_model
 
 FAMILY = "last"
 
@@ -217,8 +221,8 @@ def fit(task):
 
 LAYOUT = FileLayout({"frame": Array("f", ("N",)), **BLOCK_ARRAYS}, {"blocks": BLOCKS})
 
-def load(path):
-    arrays, settings = read_model_of(path, "last frame", ["model"], LAYOUT, FAMILY)
+def restore(arrays, settings, path):
+    check_model(arrays, settings, path, "last frame", ["model"], LAYOUT, FAMILY)
     return Last(arrays["frame"], unpack(arrays, settings["blocks"]))
 '''
 NEW_SETTINGS = '''
@@ -242,7 +246,7 @@ def last(tmp_path, monkeypatch):
     package = sys.modules["visualspeech.models"]
     monkeypatch.setattr(package, "__path__", [*package.__path__, str(tmp_path)])
     settings = "visualspeech.models.last_settings:LastSettings"
-    monkeypatch.setitem(registry.FAMILIES, "last", Family("visualspeech.models.last", settings, grid=("factor",),
+    monkeypatch.setitem(families.FAMILIES, "last", Family("visualspeech.models.last", settings, grid=("factor",),
                                                           cell=lambda given: f"last-{given['factor']:g}"))  # fmt: skip
     yield
     for name in ("visualspeech.models.last", "visualspeech.models.last_settings"):

@@ -7,8 +7,9 @@ from visualspeech.errors import SettingError
 from visualspeech.features.labels import one_hot
 from visualspeech.features.streams import Layout, Stream
 from visualspeech.models.batches import Batch, Scaling, batch
+from visualspeech.models.layers import dilations
 from visualspeech.models.objectives import objective_of
-from visualspeech.models.stack import Stack, dropped, weight_shapes
+from visualspeech.models.stack import Stack, weight_shapes
 from visualspeech.models.stack_settings import MAX_LAYERS, StackSettings
 from visualspeech.models.training_settings import OBJECTIVES, training_settings
 
@@ -56,20 +57,34 @@ def lstm(inputs, weights, suffix):
     return np.array(outputs[::-1] if suffix else outputs)
 
 
+def gated_convolution(inputs, weights, dilation):
+    """Frame by frame, in plain numpy; the gates' weights are those of the frame before, the frame and the one after."""
+    x = inputs @ weights["projection.weight"].T + weights["projection.bias"] if "projection.bias" in weights else inputs
+    outputs = []
+    for time in range(len(x)):
+        taps = [x[at] if 0 <= at < len(x) else np.zeros(x.shape[1]) for at in (time - dilation, time, time + dilation)]
+        filters, gates = np.split(weights["gates.weight"] @ np.concatenate(taps) + weights["gates.bias"], 2)
+        gated = np.tanh(filters) * sigmoid(gates)
+        outputs.append(x[time] + weights["residual.weight"] @ gated + weights["residual.bias"])
+    return np.array(outputs)
+
+
 def slow_forward(module, streams):
     frames = one_hot(streams[0].index, len(PHONES)).astype(np.float64)
     frames = np.column_stack([frames, *(one.values for one in streams[1:])])
-    for letter, layer in zip(module.letters, module.layers, strict=True):
+    for letter, layer, dilation in zip(module.letters, module.layers, dilations(module.letters), strict=True):
         weights = {name: values.detach().numpy().astype(np.float64) for name, values in layer.named_parameters()}
         if letter == "F":
             frames = np.tanh(frames @ weights["weight"].T + weights["bias"])
+        elif letter == "C":
+            frames = gated_convolution(frames, weights, dilation)
         else:
             frames = np.concatenate([lstm(frames, weights, ""), lstm(frames, weights, "_reverse")], axis=1)
     return frames @ module.output.weight.detach().numpy().T + module.output.bias.detach().numpy()
 
 
 @pytest.mark.parametrize("dense", [False, True])
-@pytest.mark.parametrize("letters", ["F", "B", "FBB", "BFB"])
+@pytest.mark.parametrize("letters", ["F", "B", "C", "FBB", "BFB", "CCC", "FCB", "BCCF"])
 def test_every_utterance_of_a_padded_batch_against_plain_numpy(letters, dense):
     module = stack(letters, layouts=(LABELS, DENSE) if dense else (LABELS,))
     examples, given = padded(dense_utterances(4) if dense else utterances(4))
@@ -78,6 +93,17 @@ def test_every_utterance_of_a_padded_batch_against_plain_numpy(letters, dense):
     for row, one in enumerate(examples):
         assert np.allclose(outputs[row, : len(one.target)], slow_forward(module, one.streams), atol=1e-5)
         assert not outputs[row, len(one.target) :].any()
+
+
+@pytest.mark.parametrize("letters", ["CCC", "FCB", "CCCCCC"])
+def test_an_utterance_alone_and_in_a_padded_batch(letters):
+    module = stack(letters, layouts=(LABELS, DENSE))
+    examples, given = padded(dense_utterances(5, seed=3))
+    with torch.inference_mode():
+        outputs = module(given)
+        for row, one in enumerate(examples):
+            alone = module(padded([one])[1])[0]
+            torch.testing.assert_close(outputs[row, : len(alone)], alone, rtol=1e-6, atol=1e-6)
 
 
 def test_input_vectors_are_those_of_the_features():
@@ -102,9 +128,10 @@ def test_real_values_alone():
     assert module.layers[0].weight.shape[1] == 3
 
 
+@pytest.mark.parametrize("letters", ["FB", "CCB"])
 @pytest.mark.parametrize("objective", OBJECTIVES)
-def test_gradient_by_finite_difference(objective):
-    module = stack("FB", nodes=3, outputs=4, layouts=(LABELS, DENSE)).double()
+def test_gradient_by_finite_difference(objective, letters):
+    module = stack(letters, nodes=3, outputs=4, layouts=(LABELS, DENSE)).double()
     given = padded(dense_utterances(2))[1]
     given = Batch(given.index, given.values.double(), given.lengths, given.targets.double())
 
@@ -137,28 +164,17 @@ def test_widths_that_are_no_width(nodes):
         StackSettings("F", nodes)
 
 
-def test_dropped_values_keep_their_mean_and_pass_the_gradient_of_those_that_stay():
+@pytest.mark.parametrize("letters", ["FB", "C"])
+def test_hidden_values_are_dropped_in_training_alone(letters):
     torch.manual_seed(1)
-    values = torch.ones(400, 500, requires_grad=True)
-    result = dropped(values, 0.3)
-    # 200,000 draws: five standard deviations of the share are 0.005.
-    assert abs((result == 0).double().mean().item() - 0.3) < 0.005
-    assert torch.allclose(result[result != 0], torch.tensor(1 / 0.7))
-    assert abs(result.mean().item() - 1) < 0.01
-    result.sum().backward()
-    assert torch.equal(values.grad, result.detach())
-
-
-def test_hidden_values_are_dropped_in_training_alone():
-    torch.manual_seed(1)
-    module = Stack(StackSettings("FB", 64), [LABELS], 3, dropout=0.5)
+    module = Stack(StackSettings(letters, 64), [LABELS], 3, dropout=0.5)
     given = padded(utterances(1))[1]
     assert not torch.equal(module(given), module(given))
     module.eval()
     assert torch.equal(module(given), module(given))
 
 
-@pytest.mark.parametrize("letters", ["F", "B", "FBB", "BFBF"])
+@pytest.mark.parametrize("letters", ["F", "B", "FBB", "BFBF", "CCF", "BCCB"])
 @pytest.mark.parametrize("b_nodes", ["direction", "layer"])
 def test_shapes_of_the_weights_are_known_without_a_network(letters, b_nodes):
     settings, layouts = {"letters": letters, "nodes": 6, "b_nodes": b_nodes}, (LABELS, DENSE)

@@ -29,13 +29,17 @@ def expected(letters, nodes, b_nodes, phones=5, outputs=3):
     for letter in letters:
         if letter == "F":
             total, width = total + nodes * (width + 1), nodes
+        elif letter == "C":
+            # Two gates over three frames, a map back to the residual stream, and one to the width where it differs.
+            total += nodes * (width + 1) if width != nodes else 0
+            total, width = total + 2 * nodes * (3 * nodes + 1) + nodes * (nodes + 1), nodes
         else:
             own = nodes if b_nodes == "direction" else nodes // 2
             total, width = total + 2 * 4 * own * (width + own + 2), 2 * own
     return total + outputs * (width + 1)
 
 
-@pytest.mark.parametrize("letters", ["B", "FBB", "BFB", "FF"])
+@pytest.mark.parametrize("letters", ["B", "FBB", "BFB", "FF", "CCC", "FCB", "BC", "CCCCCC"])
 @pytest.mark.parametrize("b_nodes", ["direction", "layer"])
 def test_weights_are_counted(letters, b_nodes):
     assert parameters(letters, 8, b_nodes) == expected(letters, 8, b_nodes)

@@ -76,20 +76,45 @@ def test_a_system_in_one_mapping():
     assert settings["codings"]["small"]["drift"] == settings["codings"]["aam51"]["drift"]
     assert settings["codings"]["aam51"]["aam"]["images"] == 20000
     assert found["blocks"] == {
-        "tri": {"kind": "triphone_state", "settings": {}},
+        "tri": {"kind": "triphone_state", "settings": {"fractional": False, "states": "aligned"}},
         "parts": {"kind": "label_parts", "settings": {"parts": ["stress"]}},
     }
     assert [row["name"] for row in found["rows"]] == ["F-8", "training_mean", "reconstruction"]
     assert found["videos"]["model"] == "F-8" and found["preference"]["models"] == ["F-8", "training_mean"]
     assert "models" not in found and found["seeds"] == [1]
+    assert found["needs"] == ["video", "text"]  # labels are computed from the text, whatever its file says
 
 
 def test_a_system_of_baselines_shows_one():
-    models = {key: None for key in ("nets", "hmm_monophone", "hmm_tied", "hmm_mge")}
+    names = ("monophone", "tied", "mge")
+    nets = ["nets", "nets_thirds", "sound", "text_and_sound"]
+    models = dict.fromkeys([*nets, *(f"hmm_{one}{end}" for one in names for end in ("", "_states"))])
     settings = resolved({"systems": [system(models=models, videos={"model": ""})]})
     mine = settings["systems"]["mine"]
     assert mine["videos"]["model"] == "training_mean" and mine["tables"]["topologies"] == []
     assert mine["preference"]["models"] == ["training_mean", "triphone_state_mean"]
+
+
+def test_the_model_for_recordings_is_an_entry_or_a_row():
+    changes = {"models": {"sound": {"nodes": [16, 32]}}}
+    for name, row in {"sound": "FBB-16-mel", "FBB-32-mel": "FBB-32-mel", "": ""}.items():
+        settings = resolved({"override": {"systems": {"fan2015": {**changes, "sound_model": name}}}})
+        assert settings["systems"]["fan2015"]["sound_model"] == row
+    settings = resolved({"override": {"systems": {"fan2015": {"models": {"sound": None, "text_and_sound": None}}}}})
+    assert settings["systems"]["fan2015"]["sound_model"] == ""
+    for name, said in {
+        "hmm_mge": "hmm_mge reads track",
+        "text_and_sound": "reads tri, mel",
+        "x": "is no entry of",
+    }.items():
+        with pytest.raises(SettingError, match=f"sound_model: {name}.*{said}"):
+            resolved({"override": {"systems": {"fan2015": {"sound_model": name}}}})
+
+
+def test_a_system_driven_by_sound_needs_no_text():
+    system = resolved({"systems": ["sound_driven"]})["systems"]["sound_driven"]
+    assert system["needs"] == ["video", "audio", "one_speaker"] and system["sound_model"] == "FBB-128"
+    assert missing_needs(system, frozenset({"video", "audio", "one_speaker"})) == []
 
 
 def test_seeds_of_the_run_and_of_a_system():
@@ -133,6 +158,12 @@ WHOLE = {
     "models": {"means": {"family": "lookup", "reads": ["tri"]}},
 }  # fmt: skip
 
+#: Rows of the ablation table of fan2015, with their models.
+ABLATION = {
+    "network": ["FBB-128-thirds", "FBB-128"],
+    "tied-state triphone HMM": ["hmm_tied", "hmm_tied_states"],
+    "MGE-trained HMM": ["hmm_mge", "hmm_mge_states"],
+}
 MISTAKES = [
     ({"systems": "fan2016"}, r"`systems: fan2016` is not known. Did you mean `fan2015.*Known: fan2015"),
     ({"systems": [3]}, r"`systems.0: 3` must be a text or lines of `key: value` .put it in quotes.. Name, path or map"),
@@ -166,7 +197,7 @@ MISTAKES = [
     (changed(blocks={"tri": {"kind": "triphone"}}),
      r"`systems.fan2015.blocks.tri.kind: triphone` must be one of .*Did you mean `triphone_state`"),
     (changed(blocks={"tri": {}, "x": {"phones": 3}}), "`systems.fan2015.blocks.x` lacks `kind`. Kind of input block"),
-    (changed(blocks={"tri": {"phones": 3}}), "unknown setting `systems.fan2015.blocks.tri.phones`. Known here: kind"),
+    (changed(blocks={"tri": {"phones": 3}}), "unknown setting `systems.fan2015.blocks.tri.phones`. Known here: fra"),
     (changed(blocks={"parts": {"parts": ["tone"]}}), "`systems.fan2015.blocks.parts.parts.0: tone` must be one of pos"),
     (changed(blocks={"parts": None}, models={"nets": {"reads": ["parts"]}}),
      "`systems.fan2015.models.nets.reads.0: parts` must be one of tri, track"),
@@ -184,6 +215,14 @@ MISTAKES = [
     (changed(preference={"models": ["FBB-128", "FBB"]}), "`systems.fan2015.preference.models.1: FBB` is no model"),
     (changed(tables={"topologies": ["net"]}), r"`systems.fan2015.tables.topologies.0: net` is .*Did you mean `nets`"),
     (changed(tables={"gains": {"references": ["hmm"]}}), "`systems.fan2015.tables.gains.references.0: hmm` is no entr"),
+    (models(mix={"family": "ensemble", "members": ["net"]}),
+     r"`systems.fan2015.models.mix.members.0: net` is no entry .*Did you mean `nets`"),
+    (changed(tables={"ablation": {"rows": {"network": ["nets_thirds", "net"]}}}),
+     r"`systems.fan2015.tables.ablation.rows.network.1: net` is no entry .*Did you mean `nets`"),
+    (changed(tables={"ablation": {"rows": {"network": ["nets"]}}}),
+     "`systems.fan2015.tables.ablation.rows.network` names 1 models; it must name one for each of the 2 `columns`"),
+    (changed(tables={"ablation": {"columns": ["one"], "rows": {name: None for name in ABLATION} | {"x": ["nets"]}}}),
+     "`systems.fan2015.tables.ablation.rows.x` names 1 models; .* there must be two"),
     (changed(tables={"metrics": ["rmse"]}), "`systems.fan2015.tables.metrics.0: rmse` must be one of rmse_shape"),
     (changed(published="fan2016"), "fan2016"),
     (changed(seeds=[1, 1]), r"`systems.fan2015.seeds: \[1, 1\]` names 1 more than once"),
@@ -209,6 +248,25 @@ def test_every_mistake_is_a_sentence(change, said):
 def test_an_entry_that_a_system_leaves_out_may_still_be_named():
     settings = resolved(models(hmm_mge=None))
     assert settings["systems"]["fan2015"]["tables"]["gains"]["references"] == ["hmm_monophone", "hmm_tied"]
+
+
+@pytest.mark.parametrize(
+    ("change", "rows"),
+    [
+        ({}, ABLATION),
+        (changed(seeds=[1, 2]), ABLATION),
+        (models(hmm_mge_states=None), {name: cells for name, cells in ABLATION.items() if name[:3] != "MGE"}),
+        (changed(models={"nets": {"nodes": [64]}}, videos={"model": ""}), dict(list(ABLATION.items())[1:])),
+        (models(nets_thirds={"nodes": [64, 128]}),
+         {**{f"network: FBB-{n}-thirds / FBB-{n}": [f"FBB-{n}-thirds", f"FBB-{n}"] for n in (64, 128)},
+          **dict(list(ABLATION.items())[1:])}),
+        (changed(tables={"ablation": {"rows": dict.fromkeys(ABLATION)}}), {}),
+        (changed(tables={"ablation": {"rows": {**dict.fromkeys(ABLATION), "x": ["FFF-64", "BBB-128"]}}}),
+         {"x": ["FFF-64", "BBB-128"]}),
+    ],
+)  # fmt: skip
+def test_rows_of_the_ablation_table(change, rows):
+    assert resolved(change)["systems"]["fan2015"]["tables"]["ablation"]["rows"] == rows
 
 
 def test_the_longest_name_of_a_model_fits_in_a_file_system():

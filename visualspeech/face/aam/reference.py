@@ -200,15 +200,38 @@ def sample_texture(frame: np.ndarray, image_points: np.ndarray, reference: Refer
     ----------
     frame : (height, width, 3) uint8 RGB, as recorded
     image_points : (N, 2) the points in this frame, pixels; the colour at (x, y) is that of the pixel whose centre is
-        there, between centres it is interpolated linearly, outside the frame the edge is continued
+        there, between centres it is interpolated linearly, outside the frame the edge is continued. A face larger
+        than the grid is smoothed first, so that what the grid cannot hold does not fold back as a pattern
     """
     import cv2
 
-    positions = (reference.weights @ np.asarray(image_points, np.float64)).astype(np.float32)
+    image_points = np.asarray(image_points, np.float64)
+    frame, corner = _prefiltered(frame, image_points, reference)
+    positions = (reference.weights @ (image_points - corner)).astype(np.float32)
     # Positions in one row rather than one column: the numbers are the same, and OpenCV is faster.
     x, y = np.ascontiguousarray(positions.T)[:, None]
     colours = cv2.remap(frame, x, y, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
     return np.ascontiguousarray(colours[0].T).reshape(-1)
+
+
+def _prefiltered(frame: np.ndarray, points: np.ndarray, reference: Reference) -> tuple[np.ndarray, np.ndarray]:
+    """The part of a frame around a face, smoothed for the grid, and its corner (x, y); the frame where it need not be.
+
+    With s pixels of the frame per pixel of the grid, the Gaussian has the standard deviation (s - 1) / 2, as that of
+    :func:`skimage.transform.resize`.
+    """
+    import cv2
+
+    areas = (np.abs(reference.points.areas(one)).sum() for one in (points, reference.grid_shape.astype(np.float64)))
+    deviation = (np.sqrt(next(areas) / next(areas)) - 1) / 2
+    # A narrower one does not change grey levels that are integers.
+    if not deviation > 0.2:
+        return frame, np.zeros(2)
+    margin, size = np.ceil(4 * deviation) + 1, np.array(frame.shape[1::-1])
+    low = np.clip(np.floor(points.min(axis=0) - margin), 0, size - 1).astype(int)
+    high = np.clip(np.ceil(points.max(axis=0) + margin) + 1, low + 1, size).astype(int)
+    part = frame[low[1] : high[1], low[0] : high[0]]
+    return cv2.GaussianBlur(part, (0, 0), float(deviation), borderType=cv2.BORDER_REPLICATE), low
 
 
 def sample_textures(frames: Iterable[np.ndarray], image_points: np.ndarray, reference: Reference) -> np.ndarray:

@@ -14,9 +14,11 @@ from typing import ClassVar, Protocol
 
 import numpy as np
 
-from visualspeech.errors import DamagedFile, StorageError
+from visualspeech.errors import DamagedFile, SettingError, StorageError
 from visualspeech.features.streams import Layout, Stream
 from visualspeech.speech.alignment import Alignment, read_alignments
+from visualspeech.speech.sound import Sound, StoredSamples
+from visualspeech.speech.substitutes import in_phones
 from visualspeech.storage.layouts import TEXT, FileLayout, check_plain
 from visualspeech.storage.models import read_model_of, write_model
 
@@ -28,16 +30,23 @@ class Source:
     Parameters
     ----------
     frames, rate : length and rate in Hz of the visual stream that the block's stream accompanies
-    alignment : words, phones and states with their times
+    alignment : words, phones and states with their times; None where no block needs ``text``
+    sound : the recording; None where no block needs ``audio``
+    begin : time in seconds in the sound of the visual stream's beginning, where it accompanies a part of the sound
     """
 
     frames: int
     rate: float
-    alignment: Alignment
+    alignment: Alignment | None = None
+    sound: Sound | None = None
+    begin: float = 0.0
 
 
 class Block(Protocol):
-    """An input block, fitted."""
+    """An input block, fitted.
+
+    A block that is computed from sound says so with ``needs = ("audio",)``; see :func:`needs_of`.
+    """
 
     kind: ClassVar[str]
     #: Subclass of :class:`visualspeech.fields.Settings`; None for a block without settings.
@@ -95,6 +104,11 @@ def block_class(kind: str) -> type[Block]:
     return import_module(block_module(kind)).BLOCK
 
 
+def needs_of(block: "type[Block] | Block") -> tuple[str, ...]:
+    """What a block, or its class, is computed from: ``text`` (the alignment; where it says nothing), ``audio``."""
+    return tuple(getattr(block, "needs", ("text",)))
+
+
 def restore(kind: str, arrays: Mapping[str, np.ndarray], plain: Mapping, path: str | Path = "") -> Block:
     """A fitted block from its state, which the file ``path`` holds.
 
@@ -107,7 +121,10 @@ def restore(kind: str, arrays: Mapping[str, np.ndarray], plain: Mapping, path: s
         raise DamagedFile(path, f"the input block kind {kind[:40]!r} is unknown. Known: {', '.join(block_kinds())}")
     cls = block_class(kind)
     cls.stored.check(path, arrays, plain)
-    return cls.restore(arrays, plain)
+    try:
+        return cls.restore(arrays, plain)
+    except SettingError as error:
+        raise DamagedFile(path, f"its input block {kind} has settings that do not go together: {error}") from error
 
 
 def save_block(path: str | Path, block: Block) -> None:
@@ -131,21 +148,42 @@ _BLOCK = {
 }
 
 
-def read_sources(alignment: str | Path, targets, ids: Collection[str], complete: bool = False) -> dict[str, Source]:
+def phones_of(block: Block) -> tuple[str, ...]:
+    """The inventory of a fitted block; empty where it reads no phones."""
+    return tuple(getattr(block, "phones", ()))
+
+
+def read_sources(
+    alignment: str | Path | None,
+    targets,
+    ids: Collection[str],
+    phones: Sequence[str] = (),
+    complete: bool = False,
+    audio=None,
+) -> dict[str, Source]:
     """What blocks are computed from, of the utterances of one shard, by id.
 
     Parameters
     ----------
-    alignment : table of the shard
+    alignment : table of the shard; None where no alignment is needed
     targets : open reader or collection, which gives length and rate of each utterance
-    ids : the utterances that are wanted; those without an alignment or targets are left out
-    complete : whether the table must hold all of them; raises :class:`StorageError` where one is missing
+    ids : the utterances that are wanted; those without targets, or without the alignment or sound that is needed, are
+        left out
+    phones : inventory; a phone that it lacks, because no training utterance has it, is replaced by the most similar one
+        (:mod:`visualspeech.speech.substitutes`); empty: none is replaced
+    complete : whether there must be an alignment of all of them; raises :class:`StorageError` where one is missing
+    audio : open reader or collection of the sound, which is read when a block asks for it; None where it is not needed
     """
-    alignments = read_alignments(alignment)
-    for name in ids if complete else ():
+    alignments = None if alignment is None else read_alignments(alignment)
+    for name in ids if complete and alignments is not None else ():
         alignments[name]
-    return {
-        name: Source(targets.length(name, "appearance"), targets.rate(name), found)
-        for name, found in alignments.items()
-        if name in ids and name in targets
-    }
+    found = {}
+    for name in sorted(ids) if alignments is None else alignments:
+        if name in ids and name in targets and (complete or audio is None or name in audio):
+            found[name] = Source(
+                targets.length(name, "appearance"),
+                targets.rate(name),
+                None if alignments is None else in_phones(alignments[name], phones)[0],
+                None if audio is None else Sound(StoredSamples(audio, name), audio.rate(name)),
+            )
+    return found

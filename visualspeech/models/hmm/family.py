@@ -17,7 +17,7 @@ from visualspeech.models.hmm.segments import PhoneTrack
 from visualspeech.models.hmm.training import fit_monophones, fit_tied
 from visualspeech.models.task import Fitted, Task, check_examples, check_streams
 from visualspeech.storage.layouts import RATE, TEXT, FileLayout
-from visualspeech.storage.models import read_model_of, write_model
+from visualspeech.storage.models import check_model, read_model, write_model
 
 FAMILY = "hmm"
 
@@ -53,7 +53,7 @@ class HmmModel:
             There is no frame, or the stream does not fit the block.
         """
         check_streams(streams, self.blocks)
-        return self.hmm.predict(track_of(streams[0]), frames, rate)
+        return self.hmm.predict(track_of(streams[0], _divisions(self.blocks)), frames, rate)
 
     def save(self, path: str | Path) -> None:
         """Write it as one safetensors file."""
@@ -63,23 +63,33 @@ class HmmModel:
         write_model(path, {**arrays, **own}, {**settings, "coding": self.coding})
 
 
-def track_of(stream: Stream) -> PhoneTrack:
-    """The phones of an utterance; the phone itself is in the middle column of its context."""
-    return PhoneTrack(stream.index.astype(np.int64), stream.starts, (stream.index.shape[1] - 1) // 2)
+def track_of(stream: Stream, divisions: int = 1) -> PhoneTrack:
+    """The phones of an utterance; the phone itself is in the middle column of its context.
+
+    Parameters
+    ----------
+    divisions : rows of each phone; if there are several, the last column holds their number
+    """
+    columns = stream.index.shape[1] - (divisions > 1)
+    return PhoneTrack(stream.index.astype(np.int64), stream.starts, (columns - 1) // 2, divisions)
 
 
-class _Tracks(Sequence):
-    """Utterances as HMMs are trained on them: (phone track, values (T, N), rate in Hz)."""
+class Tracks(Sequence):
+    """Utterances as HMMs with these input blocks are trained on them: (phone track, values (T, N), rate in Hz)."""
 
-    def __init__(self, examples: Sequence[Example]) -> None:
-        self._examples = examples
+    def __init__(self, examples: Sequence[Example], blocks: Mapping[str, Block]) -> None:
+        self._examples, self._divisions = examples, _divisions(blocks)
 
     def __len__(self) -> int:
         return len(self._examples)
 
     def __getitem__(self, number: int) -> tuple[PhoneTrack, np.ndarray, float]:
         streams, target, rate = self._examples[number]
-        return track_of(streams[0]), target, rate
+        return track_of(streams[0], self._divisions), target, rate
+
+
+def _divisions(blocks: Mapping[str, Block]) -> int:
+    return next(iter(blocks.values())).divisions
 
 
 def fit(task: Task) -> Fitted:
@@ -95,28 +105,35 @@ def fit(task: Task) -> Fitted:
     if len(blocks) != 1 or not blocks[0].layout.segmental:
         raise DataError(f"`models.{row.name}.reads` must name one segmental block, of kind phone_track.")
     check_examples(task.training, task.blocks, "training")
-    training, validation = _Tracks(task.training), _Tracks(task.validation)
+    training, validation = (Tracks(part, task.blocks) for part in (task.training, task.validation))
     if settings.variant == "monophone":
         hmm = fit_monophones(training, blocks[0].phones, settings)
     else:
-        if task.parent is None:
+        if not task.parents:
             raise DataError(f"`models.{row.name}` is of the variant {settings.variant} and needs `from`.")
-        start = replace(load(task.parent).hmm, settings=settings)
+        start = replace(load(task.parents[0]).hmm, settings=settings)
         hmm = fit_tied(start, training) if settings.variant == "tied" else refine(start, training, validation)
     return Fitted(HmmModel(hmm, task.blocks, float(task.training[0].rate), task.coding), hmm.history_table())
 
 
 def load(path: str | Path) -> HmmModel:
-    """Read saved HMMs; raises as :func:`visualspeech.storage.models.read_model_of`."""
-    arrays, settings = read_model_of(path, "phone HMMs", ["model"], LAYOUT, FAMILY)
+    """Read saved HMMs; raises as :func:`restore`."""
+    return restore(*read_model(path), path)
+
+
+def restore(arrays: Mapping[str, np.ndarray], settings: Mapping, path: str | Path) -> HmmModel:
+    """The HMMs in a file's content; raises as :func:`visualspeech.storage.models.check_model`."""
+    check_model(arrays, settings, path, "phone HMMs", ["model"], LAYOUT, FAMILY)
     blocks = unpack(arrays, settings["blocks"], path)
     hmm = Hmm.restore(arrays, settings["hmm"], path)
-    (columns, centre), layouts = hmm.tying.layout, [block.layout for block in blocks.values()]
+    columns, centre, divisions = hmm.tying.layout
+    wanted = (len(hmm.phones),) * columns + ((divisions,) if divisions > 1 else ())
     fits = [
-        layout.segmental and layout.sizes == (len(hmm.phones),) * columns and centre == (columns - 1) // 2
-        for layout in layouts
+        block.layout.segmental
+        and (block.layout.sizes, block.divisions, tuple(block.phones)) == (wanted, divisions, hmm.phones)
+        for block in blocks.values()
     ]
-    if fits != [True] or tuple(next(iter(blocks.values())).phones) != hmm.phones:
+    if fits != [True] or centre != (columns - 1) // 2:
         raise DamagedFile(path, "its phones are not those of its input block")
     return HmmModel(hmm, blocks, settings["rate"], settings["coding"])
 

@@ -11,10 +11,11 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from visualspeech.errors import DataError
-from visualspeech.features.resampling import resample
+from visualspeech.features.resampling import back_from_times
 from visualspeech.jobs import log
 from visualspeech.models.hmm.model import Hmm
 from visualspeech.models.hmm.segments import Example
+from visualspeech.timing import frame_times
 
 #: Decay rates of Adam's first and second moment, and its epsilon (Kingma and Ba 2015).
 _DECAYS, _EPSILON = (0.9, 0.999), 1e-8
@@ -27,7 +28,7 @@ class Gradient:
     Parameters
     ----------
     error : half the squared differences, summed over frames and dimensions
-    frames : number of frames
+    frames : number of frames of the recordings
     mean : (M, D) derivative by the mean
     log_precision : (M, D) derivative by the logarithm of the precision
     """
@@ -102,11 +103,17 @@ def _adam(moments: np.ndarray, direction: np.ndarray, updates: int) -> tuple[np.
 
 
 def generation_error(hmm: Hmm, examples: Sequence[Example]) -> float:
-    """Half the squared difference of generated and recorded streams per frame, at the rate of the HMMs."""
+    """Half the squared difference of generated and recorded frames, per frame of the recording.
+
+    The trajectory is read at the centres of the recorded frames, as a prediction is. The mean difference of an
+    utterance has the weight ``mge_offset_weight``.
+    """
     total, frames = 0.0, 0
     for number in range(len(examples)):
-        values, states = _target(hmm, examples[number])
-        total += 0.5 * ((hmm.trajectory(states).values - values) ** 2).sum()
+        track, values, rate = examples[number]
+        generated = hmm.trajectory(hmm.states_at(track, len(values), rate)).values
+        error = hmm.read(generated, len(values), rate) - values
+        total += 0.5 * (error * _weighted(error, hmm.settings.mge_offset_weight)).sum()
         frames += len(values)
     return float(total / max(frames, 1))
 
@@ -114,28 +121,28 @@ def generation_error(hmm: Hmm, examples: Sequence[Example]) -> float:
 def gradient(hmm: Hmm, examples: Sequence[Example]) -> Gradient:
     """Generation error of utterances and its derivatives.
 
-    With the generated stream c, its error e = c - recorded and b = W R^-1 e, the derivatives by the mean m and the
-    precision u of an observation are u b and b (m - W c).
+    With the generated stream c, its reading A c at the centres of the recorded frames, the derivative e of the error by
+    that reading and b = W R^-1 A' e, the derivatives by the mean m and the precision u of an observation are u b and
+    b (m - W c).
     """
     slopes = np.zeros((2, *hmm.gaussians.mean.shape))
     total, frames = 0.0, 0
-    for example in examples:
-        values, states = _target(hmm, example)
+    for track, values, rate in examples:
+        states = hmm.states_at(track, len(values), rate)
         generated = hmm.trajectory(states)
-        error = generated.values - values
-        total, frames = total + 0.5 * (error**2).sum(), frames + len(values)
-        back = generated.back(error)
+        error = hmm.read(generated.values, len(values), rate) - values
+        slope = _weighted(error, hmm.settings.mge_offset_weight)
+        total, frames = total + 0.5 * (error * slope).sum(), frames + len(values)
+        back = generated.back(back_from_times(slope, len(states), hmm.settings.rate, frame_times(len(values), rate)))
         off = hmm.gaussians.mean[states] - generated.observations()
         # Consecutive frames in one state are summed before they are added to it.
         starts = np.flatnonzero(np.r_[True, states[1:] != states[:-1]])
-        for slope, part in zip(slopes, (back, back * off), strict=True):
-            np.add.at(slope, states[starts], np.add.reduceat(part, starts, axis=0))
+        for sums, part in zip(slopes, (back, back * off), strict=True):
+            np.add.at(sums, states[starts], np.add.reduceat(part, starts, axis=0))
     variance = hmm.gaussians.variance
     return Gradient(float(total), frames, slopes[0] / variance, slopes[1] / variance)
 
 
-def _target(hmm: Hmm, example: Example) -> tuple[np.ndarray, np.ndarray]:
-    """The recorded stream (T, N) at the rate of the HMMs, and the Gaussian of every frame (T,)."""
-    track, values, rate = example
-    values = resample(np.asarray(values, np.float64), rate, hmm.settings.rate)
-    return values, hmm.states_of(*track.runs(len(values), hmm.settings.rate))
+def _weighted(error: np.ndarray, offset_weight: float) -> np.ndarray:
+    """The derivative of the generation error of an utterance by its errors (T, N): their mean weighted differently."""
+    return error + (offset_weight - 1) * error.mean(axis=0)

@@ -7,16 +7,16 @@ from pathlib import Path
 import numpy as np
 
 from visualspeech.errors import DamagedFile, DataError
-from visualspeech.features.resampling import resample
+from visualspeech.features.resampling import at_times
 from visualspeech.fields import MAX_SEED, Settings, restored, setting
 from visualspeech.models.hmm.chains import timed_states
-from visualspeech.models.hmm.generation import Trajectory, generate
-from visualspeech.models.hmm.segments import PhoneTrack
+from visualspeech.models.hmm.segments import PhoneTrack, layout_text
 from visualspeech.models.hmm.statistics import Gaussians
 from visualspeech.models.hmm.tying import Tying
+from visualspeech.models.trajectory.generation import Trajectory, check_generation, generate, step_of
 from visualspeech.storage.layouts import PHONES, Array
 from visualspeech.storage.models import part_of
-from visualspeech.timing import frames_in
+from visualspeech.timing import frame_times, frames_in
 
 
 @dataclass(frozen=True)
@@ -88,13 +88,20 @@ class HmmSettings(Settings):
         minimum=1,
         maximum=100_000,
     )
+    mge_offset_weight: float = setting(
+        1.0,
+        "Weight of the squared mean error of an utterance in MGE training; 1 gives the plain squared error, 0 ignores "
+        "the mean.",
+        minimum=0,
+        maximum=1000,
+    )
     mge_variances: bool = setting(True, "Train the variances by MGE too, not only the means.")
     seed: int = setting(1, "Seed of the order of the utterances in MGE training.", minimum=0, maximum=MAX_SEED)
 
     @property
     def step(self) -> int:
         """Frames between the taps of the windows."""
-        return max(round(self.delta_step * self.rate), 1)
+        return step_of(self.delta_step, self.rate)
 
 
 @dataclass(frozen=True)
@@ -119,9 +126,9 @@ class Hmm:
     about: Mapping = field(default_factory=dict)
 
     def states_of(self, contexts: np.ndarray, lengths: np.ndarray) -> np.ndarray:
-        """Gaussian of every frame (T,) of phones in context (P, C) that last ``lengths`` (P,) frames.
+        """Gaussian of every frame (T,) of phones in context (P, C), or divisions of them, of ``lengths`` (P,) frames.
 
-        Each phone is divided among its states by their durations
+        Each of them is divided among its states by their durations
         (:func:`visualspeech.models.hmm.chains.timed_states`).
         """
         chosen = self.tying.find(contexts)
@@ -145,16 +152,27 @@ class Hmm:
         if frames < 1:
             raise DataError("there is no frame to predict; the utterance is empty.")
         if track.layout != self.tying.layout:
-            columns, centre = track.layout
             raise DataError(
-                f"the phone contexts of the utterance have {columns} columns, the phone in column {centre}; those of "
-                f"the HMMs have {self.tying.columns}, the phone in column {self.tying.centre}."
+                f"the phone contexts of the utterance have {layout_text(track.layout)}; those of the HMMs have "
+                f"{layout_text(self.tying.layout)}."
             )
-        if track.contexts.min() < 0 or track.contexts.max() >= len(self.phones):
+        phones = track.contexts[:, : track.columns]
+        if phones.min() < 0 or phones.max() >= len(self.phones):
             raise DataError(f"the utterance has phones that are not among the {len(self.phones)} phones of the HMMs.")
+        values = self.trajectory(self.states_at(track, frames, rate)).values
+        return self.read(values, frames, rate).astype(np.float32)
+
+    def states_at(self, track: PhoneTrack, frames: int, rate: float) -> np.ndarray:
+        """Gaussian of every frame at the rate of the HMMs, of an utterance of ``frames`` frames at ``rate`` Hz."""
         inner = max(frames_in(frames / rate, self.settings.rate), 1)
-        values = self.trajectory(self.states_of(*track.runs(inner, self.settings.rate))).values
-        return resample(values, self.settings.rate, rate, frames).astype(np.float32)
+        return self.states_of(*track.runs(inner, self.settings.rate))
+
+    def read(self, values: np.ndarray, frames: int, rate: float) -> np.ndarray:
+        """A generated stream (T, N) at the centres of ``frames`` frames at ``rate`` Hz: (frames, N).
+
+        A trajectory is smooth, so that nothing folds back; means over the frames would only flatten it.
+        """
+        return at_times(values, self.settings.rate, frame_times(frames, rate))
 
     def history_table(self):
         """History of the training as a data frame: stage, round, figure, value."""
@@ -171,7 +189,7 @@ class Hmm:
         plain = {
             "settings": asdict(self.settings),
             "phones": list(self.phones),
-            "contexts": {"columns": self.tying.columns, "centre": self.tying.centre},
+            "contexts": dict(zip(("columns", "centre", "divisions"), self.tying.layout, strict=True)),
             "about": dict(self.about),
         }
         return arrays, plain
@@ -220,33 +238,30 @@ PLAIN = {
         "phones": PHONES,
         "contexts": {
             "type": "object",
-            "required": ["columns", "centre"],
+            "required": ["columns", "centre", "divisions"],
             "additionalProperties": False,
             "properties": {
                 "columns": {"type": "integer", "minimum": 1, "maximum": 99},
                 "centre": {"type": "integer", "minimum": 0, "maximum": 98},
+                "divisions": {"type": "integer", "minimum": 1, "maximum": 99},
             },
         },
         "about": {"type": "object"},
     },
 }
-_MOST_STEP = 200  # frames between the taps of the windows, to which the memory of a generated stream is proportional
-_MOST_SPREAD = 1e12  # largest over least variance of one parameter, beyond which streams cannot be computed
 
 
 def _check(path, hmm: Hmm) -> None:
     """Refuse trees that never end or lead to no Gaussian, and Gaussians from which no stream can be generated."""
     tying, count = hmm.tying, len(hmm.gaussians.mean)
     nodes = len(tying.positions)
-    if hmm.settings.step > _MOST_STEP:
-        raise DamagedFile(path, f"its windows reach over {hmm.settings.step} frames, more than {_MOST_STEP}")
     if len(hmm.phones) != tying.roots.shape[1] or hmm.settings.states != tying.roots.shape[0]:
         raise DamagedFile(path, "its phones or states are not those of its trees")
+    if hmm.settings.states % tying.divisions:
+        raise DamagedFile(path, "its states cannot be shared out over the divisions of a phone")
     targets = np.concatenate([tying.roots.ravel(), tying.branches.ravel()])
     # A branch leads on to a later node, so every way through a tree ends.
     onward = (tying.branches < 0) | (tying.branches > np.arange(nodes)[:, None])
     if targets.min() < -count or targets.max() >= nodes or not onward.all() or (tying.positions >= tying.columns).any():
         raise DamagedFile(path, "its trees lead to no Gaussian")
-    variance = hmm.gaussians.variance.reshape(count, 3, -1).astype(np.float64)
-    if (variance.max(axis=(0, 1)) > _MOST_SPREAD * variance.min(axis=(0, 1))).any():
-        raise DamagedFile(path, "the variances of one parameter are too different to generate a stream")
+    check_generation(path, hmm.gaussians.variance, hmm.settings.step)

@@ -5,29 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from visualspeech.speech.phones import CLASSES
-
-# Classes that differ in the lips and the jaw, beside those of the phone set.
-_JOINED = {
-    "consonant": "stop affricate fricative nasal",
-    "sonorant": "vowel diphthong glide nasal",
-    "obstruent": "stop affricate fricative",
-    "labial": "bilabial labiodental",
-    "coronal": "dental alveolar postalveolar",
-    "any_vowel": "vowel diphthong",
-}
-_MORE = {
-    "front": "ae eh ey ih iy",
-    "back": "aa ao ow oy uh uw",
-    "high": "ih iy uh uw y",
-    "mid": "ah eh er ey ow",
-    "low": "aa ae ao aw ay",
-    "spread": "ey ih iy y s z",
-    "voiced": "b d dh g jh l m n ng r v w y z zh",
-    "voiceless": "ch f hh k p s sh t th",
-    "sibilant": "ch jh s sh z zh",
-    "rounding_end": "aw ow uw w",
-}
+from visualspeech.speech.phone_classes import PHONE_CLASSES
 
 
 @dataclass(frozen=True)
@@ -70,10 +48,8 @@ def phone_sets(phones: Sequence[str]) -> dict[str, np.ndarray]:
 
     A set with no phone, with all phones, or with the phones of an earlier set is left out.
     """
-    joined = {name: frozenset().union(*(CLASSES[part] for part in parts.split())) for name, parts in _JOINED.items()}
-    more = {name: frozenset(members.split()) for name, members in _MORE.items()}
     result: dict[str, np.ndarray] = {}
-    for name, members in {**CLASSES, **joined, **more, **{phone: {phone} for phone in phones}}.items():
+    for name, members in {**PHONE_CLASSES, **{phone: {phone} for phone in phones}}.items():
         chosen = np.array([phone in members for phone in phones])
         seen = any(np.array_equal(chosen, other) for other in result.values())
         if chosen.any() and not chosen.all() and not seen:

@@ -1,4 +1,4 @@
-"""The phones of an utterance with their neighbours and times, and as runs of frames."""
+"""The phones of an utterance, or divisions of them, with their neighbours and times, and as runs of frames."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -13,14 +13,15 @@ from visualspeech.timing import frame_times, interval_of_frame
 
 @dataclass(frozen=True)
 class PhoneTrack:
-    """The phones of an utterance in time.
+    """The phones of an utterance in time, or divisions of them whose times are known, such as acoustic states.
 
     Parameters
     ----------
     contexts : (P, C) int, each phone with its neighbours as indices of the inventory: C = 3 for triphones, 5 for
-        quinphones
-    starts : (P,) seconds, ascending; a phone ends where the next one starts
+        quinphones. Where phones are divided, a row is a division, and a further last column holds its number
+    starts : (P,) seconds, ascending; a row ends where the next one starts
     centre : column of the phone itself in ``contexts``
+    divisions : number D of divisions of each phone; 1: rows are phones
 
     Raises
     ------
@@ -31,29 +32,42 @@ class PhoneTrack:
     contexts: np.ndarray
     starts: np.ndarray
     centre: int
+    divisions: int = 1
 
     def __post_init__(self) -> None:
         shape = np.shape(self.contexts)
-        if len(shape) != 2 or np.shape(self.starts) != shape[:1] or not shape[0] or not 0 <= self.centre < shape[1]:
+        if len(shape) != 2 or np.shape(self.starts) != shape[:1] or not shape[0] or not 0 <= self.centre < self.columns:
             raise DataError(
                 f"phone contexts of shape {shape} do not fit starts of shape {np.shape(self.starts)} and the phone in "
                 f"column {self.centre}; at least one phone is needed, with one start per phone."
             )
 
     @property
-    def layout(self) -> tuple[int, int]:
-        """Number of columns of the contexts, and the column of the phone itself."""
-        return self.contexts.shape[1], self.centre
+    def columns(self) -> int:
+        """Number of columns of the contexts that hold phones."""
+        return self.contexts.shape[1] - (self.divisions > 1)
+
+    @property
+    def layout(self) -> tuple[int, int, int]:
+        """Number of columns that hold phones, the column of the phone itself, and the number of divisions."""
+        return self.columns, self.centre, self.divisions
 
     def runs(self, frames: int, rate: float) -> tuple[np.ndarray, np.ndarray]:
-        """Contexts (Q, C) and lengths (Q,) of the runs of frames that share a phone.
+        """Contexts (Q, C) and lengths (Q,) of the runs of frames that share a row.
 
-        A frame belongs to the phone that is spoken at its centre (:mod:`visualspeech.timing`); a phone so short that no
+        A frame belongs to the row that is spoken at its centre (:mod:`visualspeech.timing`); a row so short that no
         frame has its centre in it is left out.
         """
         at = interval_of_frame(self.starts, frame_times(frames, rate))
         phones, lengths = np.unique(at, return_counts=True)
         return self.contexts[phones], lengths
+
+
+def layout_text(layout: tuple[int, int, int]) -> str:
+    """A layout of phone contexts for messages."""
+    columns, centre, divisions = layout
+    divided = f", phones divided in {divisions}" if divisions > 1 else ""
+    return f"{columns} columns, the phone in column {centre}{divided}"
 
 
 #: An utterance that HMMs are trained on: its phones, values (T, N), and their frame rate in Hz.

@@ -8,7 +8,8 @@ import numpy as np
 from visualspeech.features.resampling import resample
 from visualspeech.models.hmm.chains import even_states, expected_states
 from visualspeech.models.hmm.segments import Example
-from visualspeech.models.hmm.windows import observations
+from visualspeech.models.hmm.tying import units
+from visualspeech.models.trajectory.windows import observations
 
 #: Bounds of the self-transition probability of a state.
 SELF_TRANSITION = (0.02, 0.995)
@@ -97,15 +98,15 @@ class Utterance:
     Parameters
     ----------
     observed : (T, D) observations
-    contexts : (P, C) phones with their neighbours
-    lengths : (P,) frames of each phone
-    phones : (P,) the phones themselves
+    contexts : (P, C) phones with their neighbours, or divisions of phones
+    lengths : (P,) frames of each row
+    units : (P,) the phones themselves, or their divisions (:func:`visualspeech.models.hmm.tying.units`)
     """
 
     observed: np.ndarray
     contexts: np.ndarray
     lengths: np.ndarray
-    phones: np.ndarray
+    units: np.ndarray
 
 
 def prepare(example: Example, rate: float, step: int) -> Utterance:
@@ -113,7 +114,7 @@ def prepare(example: Example, rate: float, step: int) -> Utterance:
     track, values, given = example
     values = resample(np.asarray(values, np.float64), given, rate)
     contexts, lengths = track.runs(len(values), rate)
-    return Utterance(observations(values, step), contexts, lengths, contexts[:, track.centre])
+    return Utterance(observations(values, step), contexts, lengths, units(contexts, track.centre, track.divisions))
 
 
 def accumulate(
@@ -133,10 +134,10 @@ def accumulate(
     find : from contexts (P, C) to Gaussians (P, S)
     count : number M of Gaussians
     gaussians : of the last iteration; None divides every phone evenly among its states
-    self_transition : (K, S) self-transition probabilities
+    self_transition : (K, S) self-transition probabilities of the states of each unit: phone, or division of a phone
     rate, step : frame rate of the models in Hz, and the step of their windows in frames
     """
-    phones, states = self_transition.shape
+    count_of_units, states = self_transition.shape
     sums: dict[str, np.ndarray] = {}
     likelihood, frames = 0.0, 0
     for number in range(len(examples)):
@@ -146,12 +147,12 @@ def accumulate(
             gamma = np.eye(states)[even_states(one.lengths, states)]
         else:
             density = gaussians.log_density(one.observed, np.repeat(chosen, one.lengths, axis=0))
-            gamma, each = expected_states(density, one.lengths, self_transition[one.phones])
+            gamma, each = expected_states(density, one.lengths, self_transition[one.units])
             likelihood += each
         frames += len(one.observed)
         for name, where, values in _sums(one, chosen, gamma, states):
             if name not in sums:
-                size = (phones, states) if name.startswith("long") else (count,)
+                size = (count_of_units, states) if name.startswith("long") else (count,)
                 sums[name] = np.zeros((*size, *values.shape[1:]))
             np.add.at(sums[name], where, values)
     return Statistics(**sums, log_likelihood=likelihood, frames=frames)
@@ -176,6 +177,6 @@ def _sums(one: Utterance, chosen: np.ndarray, gamma: np.ndarray, states: int) ->
     yield "durations", where, spent.ravel()
     yield "squared_durations", where, (spent**2).ravel()
     long = one.lengths >= states
-    cell = (np.repeat(one.phones[long], states), np.tile(np.arange(states), long.sum()))
+    cell = (np.repeat(one.units[long], states), np.tile(np.arange(states), long.sum()))
     yield "long_frames", cell, spent[long].ravel()
     yield "long_phones", cell, np.ones(len(cell[0]))

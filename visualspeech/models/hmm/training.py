@@ -9,7 +9,7 @@ from visualspeech.errors import DataError
 from visualspeech.jobs import log
 from visualspeech.models.hmm.model import Hmm, HmmSettings
 from visualspeech.models.hmm.questions import questions
-from visualspeech.models.hmm.segments import Example
+from visualspeech.models.hmm.segments import Example, layout_text
 from visualspeech.models.hmm.statistics import Gaussians, Statistics, accumulate
 from visualspeech.models.hmm.tying import Cases, grow, monophones
 
@@ -26,13 +26,20 @@ def fit_monophones(training: Sequence[Example], phones: Sequence[str], settings:
     Raises
     ------
     DataError
-        There is no training utterance, the layouts of the phone contexts differ, or a value is not finite.
+        There is no training utterance, the layouts of the phone contexts differ, the states cannot be shared out over
+        the divisions of a phone, or a value is not finite.
     """
     settings = settings or HmmSettings()
     if not len(training):
         raise DataError("there is no training utterance to train HMMs on. Add recordings, or change `split`.")
-    tying = monophones(len(phones), settings.states, *_layout(training))
-    self_transition = np.full((len(phones), settings.states), 0.5)
+    columns, centre, divisions = _layout(training)
+    if settings.states % divisions:
+        raise DataError(
+            f"`states: {settings.states}` of the HMMs must be a multiple of {divisions}, the number of acoustic states "
+            "whose times the input block gives."
+        )
+    tying = monophones(len(phones), settings.states, columns, centre, divisions)
+    self_transition = np.full((len(phones) * divisions, tying.unit_states), 0.5)
     first = accumulate(training, tying.find, tying.gaussians, None, self_transition, settings.rate, settings.step)
     overall, floor = _overall(first, settings)
     if not np.isfinite(overall.mean).all():
@@ -43,6 +50,7 @@ def fit_monophones(training: Sequence[Example], phones: Sequence[str], settings:
     gaussians, self_transition, history = baum_welch(
         training, tying.find, start, first.self_transition(), settings, "monophone", settings.monophone_iterations
     )
+    self_transition = self_transition.reshape(len(phones), settings.states)
     return Hmm(settings, tuple(phones), tying, gaussians, self_transition, {"history": history})
 
 
@@ -64,17 +72,17 @@ def fit_tied(monophone: Hmm, training: Sequence[Example]) -> Hmm:
         The layouts of the phone contexts differ among the utterances, or from those of the monophone HMMs.
     """
     settings, count = monophone.settings, len(monophone.phones)
-    columns, centre = _layout(training)
-    if monophone.tying.layout != (columns, centre):
+    columns, centre, divisions = _layout(training)
+    if monophone.tying.layout != (columns, centre, divisions):
         raise DataError(
-            f"the monophone HMMs were trained on phone contexts of {monophone.tying.columns} columns, the phone in "
-            f"column {monophone.tying.centre}; those of the utterances have {columns}, the phone in column {centre}. "
-            "Train the monophone HMMs again."
+            f"the monophone HMMs were trained on phone contexts of {layout_text(monophone.tying.layout)}; those of the "
+            f"utterances have {layout_text((columns, centre, divisions))}. Train the monophone HMMs again."
         )
-    untied = _Untied(_contexts(training), settings.states)
+    each = monophone.tying.unit_states
+    untied = _Untied(_contexts(training), each)
     parent = monophone.tying.find(untied.contexts).ravel()
     prior = monophone.gaussians.at(parent)
-    gaussians, self_transition, floor = prior, monophone.self_transition, None
+    gaussians, self_transition, floor = prior, monophone.self_transition.reshape(-1, each), None
     for _ in range(settings.untied_iterations):
         sums = accumulate(training, untied.find, len(parent), gaussians, self_transition, settings.rate, settings.step)
         floor = _overall(sums, settings)[1] if floor is None else floor
@@ -82,9 +90,10 @@ def fit_tied(monophone: Hmm, training: Sequence[Example]) -> Hmm:
     log.info("%d phone contexts, %d Gaussians before tying", len(untied.contexts), len(parent))
     # Frames between those of the video carry no information: each counts as the share of a video frame that it is.
     weight = min(training[0][2] / settings.rate, 1.0)
+    first = untied.contexts[:, -1] * each if divisions > 1 else np.zeros(len(untied.contexts), int)
     cases = Cases(
-        np.repeat(untied.contexts, settings.states, axis=0),
-        np.tile(np.arange(settings.states), len(untied.contexts)),
+        np.repeat(untied.contexts, each, axis=0),
+        (first[:, None] + np.arange(each)).ravel(),
         *(weight * values for values in (sums.occupancy, sums.first, sums.second)),
     )
     tying = grow(
@@ -97,6 +106,7 @@ def fit_tied(monophone: Hmm, training: Sequence[Example]) -> Hmm:
         settings.min_frames,
         settings.mdl_factor,
         settings.tree_per_phone,
+        divisions,
     )
     log.info("%d Gaussians after tying", tying.gaussians)
     start = _pooled(sums, tying.find(untied.contexts).ravel(), tying.gaussians).gaussians(
@@ -110,6 +120,7 @@ def fit_tied(monophone: Hmm, training: Sequence[Example]) -> Hmm:
         "gaussians": tying.gaussians,
         "history": [*monophone.about.get("history", []), *history],
     }
+    self_transition = self_transition.reshape(monophone.self_transition.shape)
     return replace(monophone, tying=tying, gaussians=gaussians, self_transition=self_transition, about=about)
 
 
@@ -138,12 +149,12 @@ def baum_welch(
 
 
 class _Untied:
-    """One Gaussian for each state of each phone context that occurs in training.
+    """One Gaussian for each state of each phone context, or division of one, that occurs in training.
 
     Parameters
     ----------
     contexts : (M, C), all different
-    states : of each phone
+    states : of each row
     """
 
     def __init__(self, contexts: np.ndarray, states: int) -> None:
@@ -152,16 +163,16 @@ class _Untied:
         self._rows = {context: row for row, context in enumerate(map(tuple, contexts.tolist()))}
 
     def find(self, contexts: np.ndarray) -> np.ndarray:
-        """Gaussians (P, S) of the states of phones in context (P, C)."""
+        """Gaussians (P, states) of the states of rows (P, C)."""
         rows = np.array([self._rows[context] for context in map(tuple, contexts.tolist())])
         return rows[:, None] * self._states + np.arange(self._states)
 
 
-def _layout(training: Sequence[Example]) -> tuple[int, int]:
-    """Number of columns of the phone contexts of all utterances, and the column of the phone itself."""
+def _layout(training: Sequence[Example]) -> tuple[int, int, int]:
+    """Layout of the phone contexts of all utterances, see :attr:`PhoneTrack.layout`."""
     layouts = {training[number][0].layout for number in range(len(training))}
     if len(layouts) != 1:
-        found = "; ".join(f"{columns} columns, the phone in column {centre}" for columns, centre in sorted(layouts))
+        found = "; ".join(map(layout_text, sorted(layouts)))
         raise DataError(f"the training utterances differ in the layout of their phone contexts ({found}).")
     return layouts.pop()
 

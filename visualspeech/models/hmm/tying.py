@@ -19,8 +19,10 @@ class Tying:
     positions : (nodes,) column of the context that a node asks about
     members : (nodes, K) bool, phones for which the answer is yes
     branches : (nodes, 2) node or leaf after no and after yes
-    columns : number of columns C of a context
+    columns : number of columns C of a context that hold phones
     centre : column of the phone itself
+    divisions : number D of divisions of a phone, each with S / D of its states; a further last column of the contexts
+        holds the number of the division. 1: phones are not divided
     """
 
     roots: np.ndarray
@@ -29,11 +31,17 @@ class Tying:
     branches: np.ndarray
     columns: int
     centre: int
+    divisions: int = 1
 
     @property
-    def layout(self) -> tuple[int, int]:
-        """Number of columns of the contexts, and the column of the phone itself."""
-        return self.columns, self.centre
+    def layout(self) -> tuple[int, int, int]:
+        """As :attr:`visualspeech.models.hmm.segments.PhoneTrack.layout`."""
+        return self.columns, self.centre, self.divisions
+
+    @property
+    def unit_states(self) -> int:
+        """Number of states of a division of a phone."""
+        return len(self.roots) // self.divisions
 
     @property
     def gaussians(self) -> int:
@@ -41,8 +49,10 @@ class Tying:
         return int(-min(self.roots.min(), self.branches.min(initial=0)))
 
     def find(self, contexts: np.ndarray) -> np.ndarray:
-        """Gaussians (P, S) of the states of phones in context (P, C)."""
-        reached = self.roots[:, contexts[:, self.centre]].T.copy()
+        """Gaussians (P, S / D) of the states of phones in context, or of their divisions."""
+        states = units(contexts, self.centre, self.divisions)[:, None] * self.unit_states + np.arange(self.unit_states)
+        phone, state = np.divmod(states, len(self.roots))
+        reached = self.roots[state, phone]
         while (inner := reached >= 0).any():
             row, _ = np.nonzero(inner)
             node = reached[inner]
@@ -51,10 +61,16 @@ class Tying:
         return -1 - reached
 
 
-def monophones(phones: int, states: int, columns: int = 3, centre: int = 1) -> Tying:
-    """One Gaussian for each state of each phone, the same in every context (C columns, the phone itself in one)."""
+def units(contexts: np.ndarray, centre: int, divisions: int) -> np.ndarray:
+    """Number (P,) of each row's unit: phone, or phone * divisions + division, which the last column then holds."""
+    return contexts[:, centre] if divisions == 1 else contexts[:, centre] * divisions + contexts[:, -1]
+
+
+def monophones(phones: int, states: int, columns: int = 3, centre: int = 1, divisions: int = 1) -> Tying:
+    """One Gaussian for each state of each phone, the same in every context; layout as in :class:`Tying`."""
     roots = -1 - np.arange(phones * states).reshape(phones, states).T
-    return Tying(roots, np.zeros(0, int), np.zeros((0, phones), bool), np.zeros((0, 2), int), columns, centre)
+    nodes = np.zeros(0, int), np.zeros((0, phones), bool), np.zeros((0, 2), int)
+    return Tying(roots, *nodes, columns, centre, divisions)
 
 
 @dataclass(frozen=True)
@@ -64,7 +80,7 @@ class Cases:
     Parameters
     ----------
     contexts : (M, C) phone indices
-    states : (M,) number of the state
+    states : (M,) number of the state in its phone
     occupancy : (M,) expected frames
     first, second : (M, D) sums over frames of the observation and of its square
     """
@@ -106,6 +122,7 @@ def grow(
     min_frames: float,
     mdl: float = 1.0,
     of_each_phone: bool = False,
+    divisions: int = 1,
 ) -> Tying:
     """Decision trees that tie the states of phones in context (Odell 1995); each split maximises the likelihood.
 
@@ -122,6 +139,7 @@ def grow(
     min_frames : minimum frames per Gaussian
     mdl : weight of the description length; 1: as published, less: more Gaussians
     of_each_phone : one tree for each state of each phone, else one for each state of all phones together
+    divisions : of the phones, whose number the last column of the contexts then holds
     """
     nodes: list[tuple[int, np.ndarray, list[int]]] = []
     leaves = 0
@@ -151,8 +169,9 @@ def grow(
         np.array([node[0] for node in nodes], int),
         np.array([node[1] for node in nodes], bool).reshape(len(nodes), phones),
         np.array([node[2] for node in nodes], int).reshape(len(nodes), 2),
-        cases.contexts.shape[1],
+        cases.contexts.shape[1] - (divisions > 1),
         centre,
+        divisions,
     )
 
 

@@ -1,6 +1,6 @@
 import numpy as np
 import pytest
-from scipy.ndimage import map_coordinates
+from scipy.ndimage import gaussian_filter, map_coordinates, uniform_filter
 
 from tests.unit.face.aam.faces import POINTS, moving_faces, smooth_picture
 from visualspeech.errors import DataError, SettingError
@@ -49,6 +49,36 @@ def test_texture_of_a_frame_is_the_interpolated_picture_at_the_mapped_places(fac
         for channel in range(3):
             slow = map_coordinates(picture[..., channel].astype(float), [[y], [x]], order=1)[0]
             assert abs(slow - texture[channel, number]) <= 1.5
+
+
+def test_a_face_larger_than_the_grid_is_smoothed_before_it_is_sampled(faces, reference):
+    """Fine stripes on a face of six times the grid: on the grid they are grey, and not a coarser pattern."""
+    points = 6 * faces[3]
+    rows = np.arange(int(points[:, 1].max()) + 40) // 2 % 2 * 200
+    stripes = np.broadcast_to(rows[:, None, None], (len(rows), int(points[:, 0].max()) + 40, 3)).astype(np.uint8)
+    texture = r.sample_texture(stripes, points, reference).astype(float)
+    assert np.abs(texture - 100).max() < 12
+    # Without smoothing, the nearest pixels would be kept as they are.
+    x, y = (reference.weights @ points).T
+    plain = map_coordinates(stripes[..., 0].astype(float), [y, x], order=1)
+    assert plain.std() > 50
+    # What the grid can hold stays: the mean over the pixels of the frame that a pixel of the grid stands for.
+    smooth = smooth_picture(len(rows), stripes.shape[1])
+    wanted = [map_coordinates(uniform_filter(smooth[..., c].astype(float), 6), [y, x], order=1) for c in range(3)]
+    found = r.sample_texture(smooth, points, reference).reshape(3, -1)
+    assert np.abs(found - wanted).mean() < 1.0
+
+
+def test_smoothing_sees_the_surroundings_of_the_face_and_not_the_edge_of_a_part(faces, reference):
+    frame = np.random.default_rng(1).integers(0, 256, (700, 800, 3), np.uint8)
+    points = 4 * (faces[3] - faces[3].min(axis=0)) + [40, 60]
+    part, corner = r._prefiltered(frame, points, reference)
+    areas = [np.abs(POINTS.areas(one)).sum() for one in (points, reference.grid_shape)]
+    whole = gaussian_filter(frame.astype(float), [*2 * [(np.sqrt(areas[0] / areas[1]) - 1) / 2], 0], truncate=6)
+    low, high = (np.array(f(points), int) for f in (lambda p: p.min(axis=0), lambda p: p.max(axis=0)))
+    inside = (slice(low[1], high[1]), slice(low[0], high[0]))
+    moved = tuple(slice(s.start - c, s.stop - c) for s, c in zip(inside, corner[::-1], strict=True))
+    assert part.shape < frame.shape and np.abs(part[moved] - whole[inside]).max() < 2
 
 
 def test_faces_that_differ_by_their_shape_alone_have_one_texture(faces, reference):

@@ -33,7 +33,9 @@ TRAINING, VALIDATION, TEST = examples(20), examples(4, 5), examples(6, 7)
 def fit(variant, parent=None, settings=None, validation=None, **more):
     given = {**SMALL, "variant": variant, **(settings or {})}
     validation = VALIDATION if validation is None else validation
-    return family.fit(task("hmm", given, TRAINING, validation, BLOCKS, parent=parent, coding="abc", **more))
+    return family.fit(
+        task("hmm", given, TRAINING, validation, BLOCKS, parents=[parent] if parent else [], coding="abc", **more)
+    )
 
 
 @pytest.fixture(scope="module")

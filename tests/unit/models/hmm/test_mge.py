@@ -26,8 +26,10 @@ def figures(hmm, figure):
     return [value for stage, _, name, value in hmm.about["history"] if (stage, name) == ("mge", figure)]
 
 
+@pytest.mark.parametrize("offset_weight", [1.0, 0.0, 0.2])
 @pytest.mark.parametrize("part", ["mean", "log_precision"])
-def test_gradient_against_finite_differences(tied, part):
+def test_gradient_against_finite_differences(tied, part, offset_weight):
+    tied = replace(tied, settings=replace(SETTINGS, mge_offset_weight=offset_weight))
     examples = TRAINING[:2]
     slope = getattr(gradient(tied, examples), part)
     generator = np.random.default_rng(0)
@@ -58,6 +60,18 @@ def test_the_epoch_of_least_validation_error_is_kept(refined):
     worse = refine(replace(refined, settings=replace(SETTINGS, mge_learning_rate=5.0)), TRAINING, VALIDATION)
     assert generation_error(worse, VALIDATION) <= generation_error(refined, VALIDATION)
     assert len(figures(worse, "validation_error")) - len(found) == 1 + SETTINGS.mge_patience
+
+
+@pytest.mark.parametrize("offset_weight", [1.0, 0.0, 0.2])
+def test_generation_error_against_the_predictions(tied, offset_weight):
+    hmm = replace(tied, settings=replace(SETTINGS, mge_offset_weight=offset_weight))
+    total = 0.0
+    for track, values, rate in VALIDATION:
+        error = hmm.predict(track, len(values), rate) - values
+        total += 0.5 * (np.var(error, axis=0).sum() + offset_weight * (error.mean(axis=0) ** 2).sum()) * len(values)
+    frames = sum(len(values) for _, values, _ in VALIDATION)
+    assert np.isclose(generation_error(hmm, VALIDATION), total / frames, rtol=1e-4)
+    assert np.isclose(gradient(hmm, VALIDATION).error, total, rtol=1e-4)
 
 
 def test_means_alone(tied):

@@ -117,7 +117,7 @@ def test_columns_that_never_change_leave_the_trees_as_they_are(of_each_phone):
     wide = np.column_stack([np.full(len(triphones), 3), triphones, np.full(len(triphones), 1)])
     narrow = grow(cases_of(triphones, frames), questions(PHONES), 5, 1, 1, FLOOR, 5, 0.3, of_each_phone)
     found = grow(cases_of(wide, frames), questions(PHONES, 5, 2), 5, 1, 2, FLOOR, 5, 0.3, of_each_phone)
-    assert narrow.gaussians > 4 and found.layout == (5, 2)
+    assert narrow.gaussians > 4 and found.layout == (5, 2, 1)
     assert np.array_equal(found.positions, narrow.positions + 1)
     for name in ("roots", "members", "branches"):
         assert np.array_equal(getattr(found, name), getattr(narrow, name))
@@ -132,3 +132,22 @@ def test_trees_of_quinphones_ask_about_the_outer_phones():
     assert tying.gaussians == 2 and tying.positions.tolist() == [0]
     leaf = tying.find(contexts)[:, 0]
     assert np.array_equal(leaf == leaf[contexts[:, 0] == 2][0], contexts[:, 0] == 2)
+
+
+@pytest.mark.parametrize(("states", "divisions"), [(6, 3), (3, 3), (4, 2)])
+def test_divisions_of_phones_have_their_share_of_the_states(states, divisions):
+    """One tree for each state, found through undivided contexts and through the divisions."""
+    triphones = all_triphones()
+    rng = np.random.default_rng(3)
+    whole = [cases_of(triphones, frames_of(triphones, rng.integers(99)), state) for state in range(states)]
+    each = states // divisions
+    together = Cases(*(np.concatenate([getattr(one, name) for one in whole]) for name in Cases.__dataclass_fields__))
+    numbered = np.column_stack([together.contexts, together.states // each])
+    divided = Cases(numbered, together.states, together.occupancy, together.first, together.second)
+    expected = grow(together, questions(PHONES), 5, states, 1, FLOOR, 5, 0.3)
+    found = grow(divided, questions(PHONES), 5, states, 1, FLOOR, 5, 0.3, divisions=divisions)
+    assert found.layout == (3, 1, divisions) and found.unit_states == each and found.gaussians > states
+    for division in range(divisions):
+        rows = np.column_stack([triphones, np.full(len(triphones), division)])
+        own = slice(division * each, (division + 1) * each)
+        assert np.array_equal(found.find(rows), expected.find(triphones)[:, own])

@@ -1,8 +1,8 @@
 import numpy as np
 import pytest
 
-from visualspeech.models.hmm.generation import generate
-from visualspeech.models.hmm.windows import observations, stacked, unstacked, window_matrix
+from visualspeech.models.trajectory.generation import generate
+from visualspeech.models.trajectory.windows import observations, stacked, unstacked, window_matrix
 
 
 def gaussians(frames, width=2, seed=0):

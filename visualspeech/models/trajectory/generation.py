@@ -14,7 +14,11 @@ from itertools import product
 
 import numpy as np
 
-from visualspeech.models.hmm.windows import WINDOWS, neighbours, observations, stacked, unstacked, window_matrix
+from visualspeech.errors import DamagedFile
+from visualspeech.models.trajectory.windows import WINDOWS, neighbours, observations, stacked, unstacked, window_matrix
+
+MAX_STEP = 200  # frames between the taps of the windows, to which the memory of a trajectory is proportional
+MAX_SPREAD = 1e12  # largest over least variance of one parameter, beyond which trajectories cannot be computed
 
 
 @dataclass(frozen=True)
@@ -40,6 +44,32 @@ class Trajectory:
     def observations(self) -> np.ndarray:
         """The stream's own static, delta and delta-delta values, (T, 3N)."""
         return observations(self.values, self.step)
+
+
+def step_of(delta_step: float, rate: float) -> int:
+    """Frames between the taps of the windows at ``rate`` Hz, at least one, for a time in seconds."""
+    return max(round(delta_step * rate), 1)
+
+
+def check_generation(path, variance: np.ndarray, step: int) -> None:
+    """Refuse Gaussians from which no trajectory can be generated.
+
+    Parameters
+    ----------
+    path : of the file that they come from
+    variance : (M, 3N) of M Gaussians
+    step : frames between the taps of the windows
+
+    Raises
+    ------
+    DamagedFile
+        The windows are too wide, or the variances of one parameter differ too much.
+    """
+    if step > MAX_STEP:
+        raise DamagedFile(path, f"its windows reach over {step} frames, more than {MAX_STEP}")
+    each = variance.reshape(len(variance), len(WINDOWS), -1).astype(np.float64)
+    if (each.max(axis=(0, 1)) > MAX_SPREAD * each.min(axis=(0, 1))).any():
+        raise DamagedFile(path, "the variances of one parameter are too different to generate a stream")
 
 
 def generate(means: np.ndarray, precisions: np.ndarray, step: int) -> Trajectory:

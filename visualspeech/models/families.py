@@ -1,0 +1,86 @@
+"""The families of models by name. For planning: imports no model.
+
+A family is named by the module that implements it, with ``fit(task) -> Fitted`` and
+``restore(arrays, settings, path) -> Model`` (:mod:`visualspeech.models.task`). The module is imported when a model is
+trained, and its code is part of the digest of its own rows alone: a new family re-trains nobody.
+"""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class Family:
+    """One family of models.
+
+    Parameters
+    ----------
+    module : that implements it
+    settings : ``module:Class`` of its settings, importable without torch; empty for none
+    trained : whether it is trained by the loop of :mod:`visualspeech.models.training`
+    role : of its rows, see :data:`visualspeech.models.rows.ROLES`
+    grid : settings that may be lists in ``models:``; every combination is a row
+    cell : name of such a row, from the settings
+    title : of a row in tables, from its name and settings
+    reads : least and largest number of input blocks; None: any number
+    made_of : key of an entry that names the finished rows that a row is made of, of any family: ``from`` for one, or
+        ``members`` for several; the row reads what they read. Empty: none
+    made_from : whether a row of these settings starts from the model of another row, which ``from`` names
+    """
+
+    module: str
+    settings: str = ""
+    trained: bool = False
+    role: str = "model"
+    grid: tuple[str, ...] = ()
+    cell: Callable[[Mapping], str] = lambda settings: ""
+    title: Callable[[str, Mapping], str] = lambda name, settings: name
+    reads: tuple[int, int | None] = (0, None)
+    made_of: str = ""
+    made_from: Callable[[Mapping], bool] = lambda settings: False
+
+
+_HMM_TITLES = {"monophone": "monophone HMM", "tied": "tied-state triphone HMM", "mge": "MGE-trained HMM"}
+
+FAMILIES = {
+    "stack": Family(
+        "visualspeech.models.stack",
+        "visualspeech.models.stack_settings:StackSettings",
+        trained=True,
+        grid=("letters", "nodes"),
+        cell=lambda settings: f"{settings['letters']}-{settings['nodes']}",
+        reads=(1, None),
+    ),
+    "hmm": Family(
+        "visualspeech.models.hmm.family",
+        "visualspeech.models.hmm.model:HmmSettings",
+        title=lambda name, settings: _HMM_TITLES[settings["variant"]],
+        reads=(1, 1),
+        made_from=lambda settings: settings["variant"] != "monophone",
+    ),
+    "ensemble": Family(
+        "visualspeech.models.ensemble",
+        "visualspeech.models.combined_settings:EnsembleSettings",
+        reads=(0, 0),
+        made_of="members",
+    ),
+    "gv_compensation": Family(
+        "visualspeech.models.gv_compensation",
+        "visualspeech.models.combined_settings:GvCompensationSettings",
+        reads=(0, 0),
+        made_of="from",
+        made_from=lambda settings: True,
+    ),
+    "lookup": Family(
+        "visualspeech.models.lookup",
+        "visualspeech.models.lookup_settings:LookupSettings",
+        role="baseline",
+        title=lambda name, settings: f"{settings['context']}-state mean",
+        reads=(1, 1),
+    ),
+    "mean": Family(
+        "visualspeech.models.mean", role="baseline", title=lambda name, settings: "training mean", reads=(0, 0)
+    ),
+    # Not trained: the true parameters as if they were a prediction. Its error is that of the visual coding alone.
+    "reconstruction": Family("", role="floor", title=lambda name, settings: "reconstruction (floor)", reads=(0, 0)),
+}

@@ -1,0 +1,77 @@
+"""How every family of networks is trained: what it learns, and the network that comes of it."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import asdict, replace
+
+import torch
+
+from visualspeech.errors import SettingError
+from visualspeech.models.batches import Scaling
+from visualspeech.models.network import Network
+from visualspeech.models.task import Fitted, Task, check_examples
+from visualspeech.models.training import train
+from visualspeech.models.training_settings import TrainingSettings
+from visualspeech.models.trajectory.generation import MAX_STEP, step_of
+from visualspeech.models.trajectory.mlpg import Mlpg, Observed, error_variance, spread, stream_factors
+from visualspeech.models.trajectory.settings import TrajectorySettings
+from visualspeech.provenance import code_digest
+
+
+def fit_network(
+    task: Task,
+    family: str,
+    settings: TrajectorySettings,
+    training: TrainingSettings,
+    build: Callable[[int], torch.nn.Module],
+    identity: Sequence,
+) -> Fitted:
+    """Train a network of the family that the settings belong to, with static or with all three kinds of outputs.
+
+    Parameters
+    ----------
+    task, build, identity : as for :func:`visualspeech.models.training.train`
+    settings : of the module and of its trajectory
+
+    Raises
+    ------
+    DataError
+        As :func:`visualspeech.models.training.train`.
+    SettingError
+        As there, or the windows of the deltas are too wide.
+    """
+    check_examples(task.training, task.blocks, "training")
+    rate, generated = task.training[0].rate, settings.trajectory == "mlpg"
+    given, factors = task, None
+    if generated:
+        if step_of(settings.delta_step, rate) > MAX_STEP:
+            raise SettingError(
+                f"`models.{task.row.group or task.row.name}.delta_step: {settings.delta_step:g}` must be at most "
+                f"{MAX_STEP / rate:g} at {rate:g} Hz: {MAX_STEP} frames."
+            )
+        factors = stream_factors(task.training, settings.delta_step)
+        observed = (Observed(part, settings.delta_step, factors) for part in (task.training, task.validation))
+        given = replace(task, **dict(zip(("training", "validation"), observed, strict=True)))
+    trained = train(build, given, training, [asdict(settings), *identity, code_digest(__file__)])
+    network = Network(
+        family=family,
+        settings=asdict(settings),
+        module=trained.module,
+        scaling=trained.scaling,
+        blocks=task.blocks,
+        rate=rate,
+        coding=task.coding,
+        about={"training": asdict(training), "epochs": len(trained.curve), "best_epoch": trained.best_epoch},
+    )
+    return Fitted(_generating(network, task, settings, factors) if generated else network, trained.curve_table())
+
+
+def _generating(network: Network, task: Task, settings: TrajectorySettings, factors) -> Network:
+    """The network with the trajectory of its outputs, whose variances are those of its errors on validation utterances.
+
+    On training utterances the errors are smaller, the more so the longer training goes on.
+    """
+    each = spread(factors, len(network.scaling.mean))
+    scaled = replace(network, scaling=Scaling(network.scaling.mean / each, network.scaling.scale / each))
+    true = Observed(task.validation, settings.delta_step, factors=1 + 0 * factors)
+    errors = [scaled.observed(one.streams) - one.target for one in true]
+    return replace(scaled, mlpg=Mlpg(error_variance(errors), settings.delta_step))

@@ -1,0 +1,1 @@
+"""Trajectories from static, delta and delta-delta values: windows, and maximum-likelihood generation (MLPG)."""

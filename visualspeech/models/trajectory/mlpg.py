@@ -1,0 +1,93 @@
+"""Networks that predict static, delta and delta-delta parameters: their targets, and the trajectory of their outputs.
+
+The outputs of a frame are the means of 3N Gaussians whose variances are the same in all frames (Zen et al. 2013, 2.3).
+The variances are those of the errors of the outputs. Tokuda's likelihood asks for the spread of what is recorded about
+the mean, which these errors are; the variances of the targets themselves, which are often taken, would trust an output
+that the network cannot predict as much as one that it can.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from visualspeech.features.examples import Example
+from visualspeech.models.trajectory.generation import generate, step_of
+from visualspeech.models.trajectory.windows import WINDOWS, observations
+
+_LEAST = 1e-6  # least variance, as a share of the largest of the same parameter: an output that is never wrong
+
+
+@dataclass(frozen=True)
+class Mlpg:
+    """The trajectory of the outputs of a network.
+
+    Parameters
+    ----------
+    variance : (3N,) of static, delta and delta-delta parameters
+    delta_step : time between the taps of the windows in seconds
+    """
+
+    variance: np.ndarray
+    delta_step: float
+
+    @property
+    def outputs(self) -> int:
+        """Dimension N of the parameters."""
+        return len(self.variance) // len(WINDOWS)
+
+    def trajectory(self, means: np.ndarray, rate: float) -> np.ndarray:
+        """Parameters (T, N) at ``rate`` Hz, the most likely ones under the means (T, 3N)."""
+        precisions = np.broadcast_to(1 / self.variance.astype(np.float64), means.shape)
+        return generate(means.astype(np.float64), precisions, step_of(self.delta_step, rate)).values
+
+
+def error_variance(errors: Sequence[np.ndarray]) -> np.ndarray:
+    """Mean squares (3N,) float32 of the errors (T, 3N) of utterances, none too small to generate a trajectory."""
+    squares = sum(np.square(one, dtype=np.float64).sum(axis=0) for one in errors) / sum(map(len, errors))
+    parts = squares.reshape(len(WINDOWS), -1)
+    largest = parts.max(axis=0)
+    return np.maximum(parts, np.where(largest > 0, _LEAST * largest, 1.0)).reshape(-1).astype(np.float32)
+
+
+class Observed(Sequence):
+    """Utterances with static, delta and delta-delta targets (T, 3N) in place of static ones (T, N).
+
+    Parameters
+    ----------
+    examples : with static targets
+    delta_step : time between the taps of the windows in seconds
+    factors : (3,) on the static, delta and delta-delta targets
+    """
+
+    def __init__(self, examples: Sequence[Example], delta_step: float, factors: np.ndarray) -> None:
+        self._examples, self._delta_step, self._factors = examples, delta_step, factors
+
+    def __len__(self) -> int:
+        return len(self._examples)
+
+    def __getitem__(self, number: int) -> Example:
+        example = self._examples[number]
+        seen = observations(example.target, step_of(self._delta_step, example.rate))
+        return example._replace(target=(seen * spread(self._factors, seen.shape[1])).astype(np.float32))
+
+
+def spread(factors: np.ndarray, outputs: int) -> np.ndarray:
+    """Factors of the three streams (3,) as one per output (3N,)."""
+    return np.repeat(factors, outputs // len(WINDOWS))
+
+
+def stream_factors(examples: Sequence[Example], delta_step: float) -> np.ndarray:
+    """Factors (3,) that bring the delta and delta-delta targets to the variance of the static ones.
+
+    The variance is that over all parameters. A squared error over all 3N outputs would otherwise hardly see the deltas,
+    which are much smaller. Within a stream, parameters keep their sizes relative to each other, as with
+    ``scaling: global``.
+    """
+    total, squares, frames = 0.0, 0.0, 0
+    for number in range(len(examples)):
+        seen = Observed(examples, delta_step, np.ones(len(WINDOWS)))[number].target.astype(np.float64)
+        total, squares, frames = total + seen.sum(axis=0), squares + np.square(seen).sum(axis=0), frames + len(seen)
+    variances = (squares / frames - np.square(total / frames)).reshape(len(WINDOWS), -1).sum(axis=1)
+    variances = np.maximum(variances, 0)
+    return np.sqrt(np.divide(variances[0], variances, out=np.ones(len(WINDOWS)), where=variances > 0))
