@@ -45,9 +45,14 @@ def closing_frames(opening: np.ndarray, alignment: Alignment, rate: float) -> np
     return np.array(sorted(set(every)), int)
 
 
-def greatest_openings(opening: np.ndarray, alignment: Alignment, rate: float) -> np.ndarray:
-    """Greatest opening within each open vowel, (n,); vowels that hold no frame are left out."""
+def open_frames(opening: np.ndarray, alignment: Alignment, rate: float) -> np.ndarray:
+    """Frame of the greatest opening within each open vowel, (n,); vowels that hold no frame are left out."""
     times, opening = frame_times(len(opening), rate), np.asarray(opening)
     vowels = [(one.start, one.end) for one in alignment.phones if one.label in OPEN_VOWELS]
-    inside = [(times >= start) & (times < end) for start, end in vowels]
-    return np.array([opening[frames].max() for frames in inside if frames.any()])
+    inside = [np.flatnonzero((times >= start) & (times < end)) for start, end in vowels]
+    return np.array([frames[np.argmax(opening[frames])] for frames in inside if len(frames)], int)
+
+
+def greatest_openings(opening: np.ndarray, alignment: Alignment, rate: float) -> np.ndarray:
+    """Greatest opening within each open vowel, (n,); see :func:`open_frames`."""
+    return np.asarray(opening)[open_frames(opening, alignment, rate)]
