@@ -25,7 +25,7 @@ from benchmarks.articulation import coding_of
 from benchmarks.command import run_main
 from benchmarks.runs import CorpusRun, SystemRun, shards
 from visualspeech.evaluation.articulation import CLOSURES, Closure, closures_of, least_openings
-from visualspeech.evaluation.metrics import frame_correlation, frame_rmse
+from visualspeech.evaluation.scoring import frame_correlation, frame_rmse
 from visualspeech.face.lips import lip_opening
 from visualspeech.face.point_sets import to_points
 from visualspeech.features.blocks.base import Source

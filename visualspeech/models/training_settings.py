@@ -5,7 +5,7 @@ from dataclasses import dataclass, fields
 from typing import ClassVar
 
 from visualspeech.errors import SettingError
-from visualspeech.fields import MAX_SEED, Settings, setting
+from visualspeech.fields import MAX_SEED, Settings, setting, setting_error
 
 #: Objectives of :mod:`visualspeech.models.objectives`, and batchers of :mod:`visualspeech.models.batches`.
 OBJECTIVES = ("sse", "sse_centred", "mse", "ccc")
@@ -49,6 +49,20 @@ class TrainingSettings(Settings):
         "Weight of the squared mean error of an utterance, with `objective: sse_centred`; 1: sse.",
         minimum=0,
         maximum=1,
+    )
+    closure_weight: float = setting(
+        0.0,
+        "Weight of lips that are predicted more open than recorded where they close, in p, b, m, f and v; with "
+        "`objective` sse or sse_centred. 1: the opening in such a frame counts as much as all parameters.",
+        minimum=0,
+        maximum=100,
+    )
+    open_weight: float = setting(
+        0.0,
+        "The same of lips that are predicted less open than recorded where they are most open, in the vowels aa, ae, "
+        "aw, ay and eh.",
+        minimum=0,
+        maximum=100,
     )
     batcher: str = setting(
         "utterances",
@@ -116,6 +130,13 @@ class TrainingSettings(Settings):
         below=1,
     )
     seed: int = setting(1, "Seed of initial weights, order and dropout.", minimum=0, maximum=MAX_SEED)
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        for name in ("closure_weight", "open_weight"):
+            if getattr(self, name) and self.objective not in ("sse", "sse_centred"):
+                rule = "0, or `objective` must be sse or sse_centred, to which it is added"
+                raise setting_error(type(self), name, getattr(self, name), rule)
 
 
 def training_fields() -> list[str]:
