@@ -104,7 +104,7 @@ def test_the_model_for_recordings_is_an_entry_or_a_row():
     assert settings["systems"]["fan2015"]["sound_model"] == ""
     for name, said in {
         "hmm_mge": "hmm_mge reads track",
-        "text_and_sound": "reads tri, mel",
+        "text_and_sound": "reads tri_shares, mel",
         "x": "is no entry of",
     }.items():
         with pytest.raises(SettingError, match=f"sound_model: {name}.*{said}"):
