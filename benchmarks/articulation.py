@@ -19,7 +19,7 @@ import numpy as np
 
 from benchmarks.command import run_main
 from benchmarks.runs import CorpusRun, SystemRun
-from visualspeech.animation.performance import in_phones_of, perform
+from visualspeech.animation.performance import perform
 from visualspeech.errors import DataError
 from visualspeech.evaluation.articulation import Target, targets_of
 from visualspeech.face.coding import load_coding
@@ -33,6 +33,7 @@ from visualspeech.speech.alignment import Alignment, silent_frames
 from visualspeech.speech.closures import CLOSURES, occurrences
 from visualspeech.speech.phones import SILENCE
 from visualspeech.speech.spoken import Spoken, speak_text, state_shares
+from visualspeech.speech.substitutes import in_phones
 
 TEXT = Path(__file__).with_name("free_text.txt")
 Opened = tuple[np.ndarray, Alignment, float]  # opening (T,), alignment, frame rate in Hz
@@ -79,7 +80,7 @@ def spoken_openings(spoken: Sequence[Spoken], model: Model, rest: np.ndarray, co
         appearance = perform([one], model, rest).appearance
         opening = lip_opening(coding.decode_points(appearance[: len(appearance)]), coding.points)
         # In the model's own phones, as it is told them.
-        found.append((opening, in_phones_of(one.alignment, phones_of(model))[0], model.rate))
+        found.append((opening, in_phones(one.alignment, phones_of(model))[0], model.rate))
     return found
 
 
