@@ -7,7 +7,7 @@ import pytest
 import torch
 
 from tests.unit.models.examples import BLOCKS, PHONES, RATE
-from visualspeech.errors import DataError, SettingError
+from visualspeech.errors import DataError
 from visualspeech.features.examples import Example
 from visualspeech.features.streams import Stream
 from visualspeech.models import stack
@@ -111,11 +111,10 @@ def test_weights_of_zero_ask_for_nothing():
     assert recorded_lips(ModelRow("a", "a", "stack", {}, training={"closure_weight": 0.0}), ["u"], None, ()) is None
 
 
-@pytest.mark.parametrize("name", ["closure_weight", "open_weight"])
-def test_weights_need_an_objective_that_they_can_be_added_to(name):
-    with pytest.raises(SettingError, match=f"{name}.*sse or sse_centred"):
-        training_settings({name: 0.5, "objective": "ccc"})
-    assert getattr(training_settings({name: 0.5, "objective": "sse_centred"}), name) == 0.5
+@pytest.mark.parametrize(("objective", "added"), [("sse", True), ("sse_centred", True), ("mse", False), ("ccc", False)])
+def test_it_is_added_to_sums_of_squared_errors_only(objective, added):
+    settings = training_settings(objective=objective, closure_weight=1)
+    assert (LipLoss.of(lips_of(1), Scaling(np.zeros(3), np.ones(3)), settings) is not None) == added
 
 
 def task(**training) -> Task:
