@@ -11,7 +11,9 @@ centred trajectories: prediction and truth of each utterance less their own mean
 3. for the test utterances and for the synthetic voice reading their sentences: how far the trajectories of SOUND are
    from those of LABELS, which reads the true phones and times; how well the openings of the mouth agree; and the share
    of p, b and m in which the lips close, that is, in which the least opening is below the 90th percentile of the
-   recorded speaker's.
+   recorded speaker's (:mod:`visualspeech.evaluation.articulation`); the same of f and v;
+4. for the test utterances: how well pauses by the level (:mod:`visualspeech.speech.segmentation`) agree with those of
+   the forced alignment.
 """
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -19,20 +21,23 @@ from pathlib import Path
 
 import numpy as np
 
+from benchmarks.articulation import coding_of
 from benchmarks.command import run_main
-from benchmarks.runs import CodingRun, CorpusRun, SystemRun, shards
-from visualspeech.animation.performance import in_phones_of
-from visualspeech.evaluation.metrics import frame_correlation, frame_rmse
-from visualspeech.face.aam.model import Aam
+from benchmarks.runs import CorpusRun, SystemRun, shards
+from visualspeech.evaluation.articulation import CLOSURES, Closure, closures_of, least_openings
+from visualspeech.evaluation.scoring import frame_correlation, frame_rmse
+from visualspeech.face.lips import lip_opening
+from visualspeech.face.point_sets import to_points
 from visualspeech.features.blocks.base import Source
 from visualspeech.models.inventory import needs_of_model, phones_of, predict_source
 from visualspeech.models.task import Model
-from visualspeech.speech.alignment import Alignment
+from visualspeech.speech.alignment import silent_frames
+from visualspeech.speech.segmentation import segmented
 from visualspeech.speech.sound import RATE, Sound, to_int16
 from visualspeech.speech.spoken import speak_text, state_shares
+from visualspeech.speech.substitutes import in_phones
 from visualspeech.storage.arrays import ArrayCollection
 
-CLOSED = ("p", "b", "m")
 SEED = 1
 
 
@@ -50,13 +55,8 @@ def main(results: Path, system: str, labels: str, sound: str, *models: str) -> N
                 for condition, change in CONDITIONS.items():
                     changed = [(_changed(source, change), true) for source, true in found]
                     print(f"test, {name}, {condition}: {_figures(model, changed)}", flush=True)
-        aam = Aam.load(CodingRun(run.corpus, _coding(run)).model)
-        _compare(run, aam, trained[labels], trained[sound], targets, audio)
-
-
-def _coding(run: SystemRun) -> str:
-    """Name of the visual coding whose appearance model the targets are of; the only one of a run."""
-    return next(path.parent.name for path in sorted(run.corpus.folder.glob("codings/*/model.safetensors")))
+        _compare(run, coding_of(run, labels), trained[labels], trained[sound], targets, audio)
+        print(_pauses([source for source, _ in found]))
 
 
 def _sources(run: SystemRun, split: str, targets, audio) -> list[tuple[Source, np.ndarray]]:
@@ -126,64 +126,74 @@ CONDITIONS: Mapping[str, Callable] = {
 }
 
 
-def _compare(run: SystemRun, aam: Aam, labels: Model, sound: Model, targets, audio) -> None:
+def _compare(run: SystemRun, coding, labels: Model, sound: Model, targets, audio) -> None:
     """Print how far the two networks agree on recordings and on the synthetic voice, and how often lips close."""
     recorded = _sources(run, "test", targets, audio)
-    training = [(one.alignment, _opening(aam, true)) for one, true in _sources(run, "train", targets, audio)]
-    closed = float(np.percentile([least for one in training for least in _least(*one, labels.rate)], 90))
-    shares = state_shares(alignment for alignment, _ in training)
-    spoken = [
-        source
-        for one in run.corpus.of_split("test")
-        for source in _voiced(one.transcript, shares, phones_of(labels), labels.rate)
+    training = [
+        (_tracked(coding, targets, name), run.corpus.alignments[name], targets.rate(name))
+        for name in run.corpus.ids("train")
     ]
-    print(f"lips count as closed below an opening of {closed:.2f} px; recorded: {_closures(aam, recorded, closed)}")
+    closures = closures_of(training)
+    shares, phones = state_shares(alignment for _, alignment, _ in training), phones_of(labels)
+    texts = [one.transcript for one in run.corpus.of_split("test")]
+    spoken = [source for text in texts for source in _voiced(text, shares, phones, labels.rate)]
+    tracked = [_tracked(coding, targets, name) for name in run.corpus.ids("test")]
+    print(f"recordings, tracked: {_closed([source for source, _ in recorded], tracked, closures)}")
     for title, sources in (("recordings", [source for source, _ in recorded]), ("synthetic voice", spoken)):
         pairs = [(predict_source(labels, one), predict_source(sound, one)) for one in sources]
         error, corr = _agreement(pairs)
-        openings = [[_opening(aam, part) for part in pair] for pair in pairs]
-        lip = np.mean([np.corrcoef(*one)[0, 1] for one in openings])
-        spread = np.mean([np.std(heard) / np.std(read) for read, heard in openings])
+        read, heard = (
+            [lip_opening(coding.decode_points(one), coding.points) for one in part] for part in zip(*pairs, strict=True)
+        )
+        lip = np.mean([np.corrcoef(*pair)[0, 1] for pair in zip(read, heard, strict=True)])
+        spread = np.concatenate(heard).std() / np.concatenate(read).std()
         print(
-            f"{title}, sound against labels: RMSE(appearance) {error:.2f}, CORR {corr:.3f}, opening of the mouth: "
+            f"{title}, sound against labels: RMSE(appearance) {error:.2f}, CORR {corr:.3f}, opening of the lips: "
             f"correlation {lip:.2f}, ratio of deviations {spread:.2f}"
         )
-        for name, number in (("labels", 0), ("sound", 1)):
-            shown = [(source, pair[number]) for source, pair in zip(sources, pairs, strict=True)]
-            print(f"{title}, {name}: {_closures(aam, shown, closed)}", flush=True)
+        for name, openings in (("labels", read), ("sound", heard)):
+            print(f"{title}, {name}: {_closed(sources, openings, closures)}", flush=True)
+
+
+def _pauses(sources: Sequence[Source]) -> str:
+    """Agreement of pauses by the level with those of the alignment, at 100 Hz."""
+    both = []
+    for one in sources:
+        samples = one.sound.samples
+        frames = len(samples) * 100 // RATE
+        both.append([silent_frames(found, frames, 100.0) for found in (segmented(samples), one.alignment)])
+    level, aligned = (np.concatenate(part) for part in zip(*both, strict=True))
+    return (
+        f"pauses by level: {np.mean(level == aligned):.3f} of the frames as in the alignment, "
+        f"{np.mean(level[~aligned]):.3f} of the speech called a pause, {np.mean(~level[aligned]):.3f} of the pauses "
+        "called speech"
+    )
+
+
+def _tracked(coding, targets, name: str) -> np.ndarray:
+    """Opening of the lips (T,) of the recorded points of an utterance."""
+    return lip_opening(to_points(targets.array(name, "points")), coding.points)
 
 
 def _voiced(text: str, shares: Mapping, phones: Sequence[str], rate: float) -> Iterator[Source]:
     """A sentence in the synthetic voice, with its phones and times."""
     for one in speak_text(text, shares=shares):
-        alignment, _ = in_phones_of(one.alignment, phones)
+        alignment, _ = in_phones(one.alignment, phones)
         frames = max(1, int(len(one.samples) / one.rate * rate))
         yield Source(frames, rate, alignment, Sound.of(one.samples, one.rate))
 
 
-def _opening(aam: Aam, appearance: np.ndarray) -> np.ndarray:
-    """Distance of the inner lips' middles (T,) in pixels of the normalised face."""
-    upper, lower = aam.points.mouth_middle
-    points = aam.decode_points(np.asarray(appearance, np.float32))
-    return np.linalg.norm(points[:, lower] - points[:, upper], axis=1)
-
-
-def _least(alignment: Alignment, opening: np.ndarray, rate: float) -> list[float]:
-    """Least opening in each p, b and m, with a frame on either side."""
+def _closed(sources: Sequence[Source], openings: Sequence[np.ndarray], closures: Sequence[Closure]) -> str:
+    """Share of the occurrences of each class of phones in which the lips close."""
     found = []
-    for one in alignment.phones:
-        if one.label in CLOSED:
-            first, last = max(0, int(one.start * rate) - 1), int(np.ceil(one.end * rate)) + 1
-            if len(opening[first:last]):
-                found.append(float(opening[first:last].min()))
-    return found
-
-
-def _closures(aam: Aam, shown: Sequence[tuple[Source, np.ndarray]], closed: float) -> str:
-    least = [
-        one for source, appearance in shown for one in _least(source.alignment, _opening(aam, appearance), source.rate)
-    ]
-    return f"{np.mean(np.array(least) <= closed):.2f} of {len(least)} p, b and m closed" if least else "no p, b or m"
+    for one in closures:
+        least = [
+            value
+            for source, opening in zip(sources, openings, strict=True)
+            for value in least_openings(opening, source.alignment, source.rate, one.name)
+        ]
+        found.append(f"{np.mean(np.array(least) <= one.threshold):.2f} of {len(least)} {CLOSURES[one.name]} closed")
+    return ", ".join(found)
 
 
 if __name__ == "__main__":

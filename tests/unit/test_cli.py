@@ -1,5 +1,7 @@
 import io
+import json
 import os
+import shutil
 import signal
 import subprocess
 import sys
@@ -10,6 +12,7 @@ import pytest
 
 from tests.paths import REPOSITORY
 from tests.unit.animation import speakers
+from visualspeech.animation.bundle import DESCRIPTION
 from visualspeech.cli import main
 from visualspeech.media.reading import probe
 from visualspeech.speech.spoken import speak_text
@@ -47,8 +50,16 @@ def test_a_recording_with_its_text_becomes_a_video(speaker, tmp_path, capsys):
     assert status == 0
     assert probe(path).duration == pytest.approx(len(speech.samples) / speech.rate, abs=0.1)
     status, said = told(capsys, "--model", speaker, "--audio", sound, "-o", tmp_path / "heard.mp4")
-    assert status == 0 and "give what is said with --text" in said
+    assert status == 0 and "the lips follow the sound of the recording (model F-4-mel)" in said
     assert probe(tmp_path / "heard.mp4").duration == probe(path).duration
+    # Without a model that reads sound, phones are recognised.
+    about = json.loads((speaker / DESCRIPTION).read_text())
+    del about["parts"]["sound"]
+    mute = shutil.copytree(speaker, tmp_path / "mute")
+    (mute / DESCRIPTION).write_text(json.dumps(about))
+    status, said = told(capsys, "--model", mute, "--audio", sound, "-o", tmp_path / "phones.mp4")
+    assert status == 0 and "the lips follow recognised phones; for better ones, give what is said with --text" in said
+    assert probe(tmp_path / "phones.mp4").duration == probe(path).duration
 
 
 @pytest.mark.parametrize(

@@ -60,7 +60,8 @@ class MelBands:
 
         Outside the recording there is digital silence. Times are ascending; a part of the sound is read at a time.
         """
-        filters, size = self._filters(sound.rate), max(2, round(self.window * sound.rate))
+        filters = mel_filters(self.bands, self.low_hz, self.high_hz, sound.rate)
+        size = max(2, round(self.window * sound.rate))
         shape = np.hanning(size + 1)[:size]
         firsts = np.round(np.asarray(times) * sound.rate).astype(np.int64) - size // 2
         result = np.empty((len(times), self.bands))
@@ -73,13 +74,6 @@ class MelBands:
             power = np.abs(np.fft.rfft(frames * shape, FFT_SIZE)) ** 2 / (shape**2).sum()
             result[begin:end] = 10 * np.log10(np.maximum(power @ filters, 10 ** (FLOOR_DB / 10)))
         return result
-
-    def _filters(self, rate: float) -> np.ndarray:
-        return mel_filters(self.bands, self.low_hz, self.high_hz, rate)
-
-    def has_empty_band(self, rate: float) -> bool:
-        """Whether a band is so narrow that no bin of the Fourier transform lies in it."""
-        return not self._filters(rate).any(axis=0).all()
 
 
 @dataclass(frozen=True)

@@ -28,7 +28,7 @@ CLASSES: dict[str, frozenset[str]] = {
     "pause": frozenset({SILENCE}),
 }
 
-# Every label that an alignment's phone tier may hold, "sil" first, the others sorted.
+# Every label that the phone tier of a forced alignment may hold, "sil" first, the others sorted.
 PHONES: tuple[str, ...] = (SILENCE, *sorted({phone for phones in _MANNERS.values() for phone in phones.split()}))
 
 STATES = 3  # HMM states per phone

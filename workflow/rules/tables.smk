@@ -88,6 +88,29 @@ rule tabulate_articulation:
         "../scripts/tabulate_articulation.py"
 
 
+rule tabulate_resting:
+    input:
+        utterances=of_coding("utterances.tsv"),
+        coding=of_coding("model.safetensors"),
+        alignment=shards("<corpus>/alignment/{shard}.tsv"),
+        targets=shards("<system>/targets/{shard}.h5"),
+        predictions=predictions_of_rows(("model",)),
+    output:
+        multiext("<system>/tables/resting", *FORMS),
+    log:
+        "<system>/logs/tabulate_resting.log",
+    params:
+        rows=carried(plain_rows(("model",))),
+        rows_digest=marked(plain_rows(("model",))),
+        facts=facts_of,
+        digits=lambda wildcards: system_of(wildcards)["tables"]["digits"],
+        bootstrap=lambda wildcards: system_of(wildcards)["tables"]["bootstrap"],
+        seed=SEED,
+        code=code("tabulate_resting.py"),
+    script:
+        "../scripts/tabulate_resting.py"
+
+
 rule tabulate_topologies:
     input:
         utterances=of_coding("utterances.tsv"),

@@ -11,6 +11,7 @@ from visualspeech.corpora.check_settings import CheckSettings
 from visualspeech.corpora.findings import REJECT, WARN
 from visualspeech.corpora.records import Utterance
 from visualspeech.media import reading
+from visualspeech.speech.lexicon import Lexicon
 
 SECONDS = 2.0
 
@@ -137,6 +138,13 @@ def test_transcripts_that_are_missing_empty_or_without_words(tmp_path):
     assert rejected(path, transcript="") == "the transcript a.txt is empty"
     assert rejected(path, transcript="... !") == "the transcript holds no word: '... !'"
     assert warnings(path, transcript="42") == []
+
+
+def test_a_corpus_without_transcripts_asks_for_none(tmp_path):
+    utterance = Utterance(id="a", speaker="s", media=str(record(tmp_path)), transcript="")
+    for text in (True, False):
+        found = check_recording(utterance, Lexicon().unknown_words, CheckSettings(), text)
+        assert (found.rejected is None) == (not text) and (found.samples is not None) == (not text)
 
 
 def test_words_that_the_dictionary_lacks(tmp_path):

@@ -233,7 +233,7 @@ def test_sound_is_read_when_a_block_asks_for_it(tmp_path):
         assert np.array_equal(stream.values, other.values)
         # A block that must have all of them fails where one is missing, and does not leave it out.
         with pytest.raises(StorageError, match="audio.h5.*'c'"):
-            list(block.encode(list(base.read_sources(None, targets, ["a", "c"], True, audio).values())))
+            list(block.encode(list(base.read_sources(None, targets, ["a", "c"], complete=True, audio=audio).values())))
 
 
 def test_blocks_inside_a_model():

@@ -115,8 +115,8 @@ def test_without_sound_or_training_it_cannot_be_computed():
 @pytest.mark.parametrize(
     ("settings", "said"),
     [
-        ({"low_hz": 5000, "high_hz": 4000}, "high_hz: 4000.*must be more than `low_hz`"),
-        ({"bands": 80, "low_hz": 100, "high_hz": 120}, "bands: 80.*too narrow"),
+        ({"low_hz": 5000}, "low_hz: 5000.*at most 1000"),
+        ({"bands": 81}, "bands: 81.*at most 80"),
         ({"high_hz": 9000}, "high_hz: 9000.*at most 8000"),
         ({"normalisation": "global"}, "normalisation: global"),
         ({"step": 0}, "step: 0"),
@@ -131,7 +131,7 @@ def test_settings_that_make_no_sense_are_a_sentence(settings, said):
     "changes",
     [
         {"per_frame": 0}, {"per_frame": 10**6}, {"bands": 0}, {"bands": 1000}, {"window": 1e-9}, {"step": 0},
-        {"low_hz": 7000}, {"low_hz": 8000, "high_hz": 8000}, {"bands": 80, "high_hz": 61}, {"normalisation": "x"},
+        {"low_hz": 7000}, {"high_hz": 100}, {"high_hz": 1e9}, {"bands": 2.5}, {"normalisation": "x"},
         {"more": 1}, {"speech_range": None},
     ],
 )  # fmt: skip

@@ -93,7 +93,7 @@ class HmmSettings(Settings):
         "Weight of the squared mean error of an utterance in MGE training; 1 gives the plain squared error, 0 ignores "
         "the mean.",
         minimum=0,
-        maximum=1000,
+        maximum=1,
     )
     mge_variances: bool = setting(True, "Train the variances by MGE too, not only the means.")
     seed: int = setting(1, "Seed of the order of the utterances in MGE training.", minimum=0, maximum=MAX_SEED)
