@@ -21,7 +21,7 @@ from benchmarks.command import run_main
 from benchmarks.runs import CorpusRun, SystemRun
 from visualspeech.animation.performance import perform
 from visualspeech.errors import DataError
-from visualspeech.evaluation.articulation import CLOSURES, Closure, closures_of, occurrences
+from visualspeech.evaluation.articulation import Target, targets_of
 from visualspeech.face.coding import load_coding
 from visualspeech.face.lips import lip_opening
 from visualspeech.face.point_sets import to_points
@@ -30,6 +30,7 @@ from visualspeech.models.rest import resting_face
 from visualspeech.models.task import Model
 from visualspeech.provenance import file_digest
 from visualspeech.speech.alignment import Alignment, silent_frames
+from visualspeech.speech.closures import CLOSURES, occurrences
 from visualspeech.speech.phones import SILENCE
 from visualspeech.speech.spoken import Spoken, speak_text, state_shares
 from visualspeech.speech.substitutes import in_phones
@@ -44,13 +45,18 @@ def triphones_of(alignment: Alignment) -> list[tuple[str, str, str]]:
     return list(zip(labels, labels[1:], labels[2:], strict=False))
 
 
-def closed(opened: Iterable[Opened], closures: Sequence[Closure]) -> list[tuple[str, str, tuple, bool]]:
+def closed(opened: Iterable[Opened], closures: Sequence[Target]) -> list[tuple[str, str, tuple, bool]]:
     """Class, phone, triphone and whether the lips close, of every occurrence."""
     return [
-        (one.name, alignment.phones[number].label, triphones_of(alignment)[number], least <= one.threshold)
+        (
+            one.name,
+            alignment.phones[number].label,
+            triphones_of(alignment)[number],
+            bool(opening[frame] <= one.threshold),
+        )
         for opening, alignment, rate in opened
         for one in closures
-        for number, least in occurrences(opening, alignment, rate, one.name)
+        for number, frame in occurrences(opening, alignment, rate, one.name)
     ]
 
 
@@ -114,7 +120,7 @@ def main(results: Path, system: str, *models: str) -> None:
             lambda: ((aligned[name], targets.array(name, "appearance"), targets.rate(name)) for name in training)
         )
         tested = recorded(test)
-    closures = closures_of(shown)
+    closures = targets_of(shown)
     limits = ", ".join(f"{CLOSURES[one.name]}: {one.threshold:.2f} px" for one in closures)
     print(f"{len(spoken)} sentences; closed up to ({limits})")
     print(f"recorded test utterances: {rates((name, shut) for name, _, _, shut in closed(tested, closures))}")

@@ -86,7 +86,7 @@ def make(folder: Path) -> Path:
     # HMMs with all that a file of them can hold: phones divided at the times of their states.
     track = PhoneTrack(PHONES, PhoneTrackSettings("aligned"))
     small = {"states": 3, "rate": 50.0, "min_frames": 2.0, "mdl_factor": 0.01, "untied_iterations": 1}
-    hmm.fit(task("hmm", {**small, "variant": "monophone"}, PhoneTrack(PHONES))).model.save(made / "parent.safetensors")
+    hmm.fit(task("hmm", {**small, "variant": "monophone"}, track)).model.save(made / "parent.safetensors")
     tied = task("hmm", {**small, "variant": "tied"}, track, parents=[made / "parent.safetensors"])
     hmm.fit(tied).model.save(made / "model_hmm.safetensors")
     settings = {"context": "triphone", "min_count": 2}
@@ -97,7 +97,7 @@ def make(folder: Path) -> Path:
     convolutions = task("stack", settings, TriphoneState(PHONES), options={"max_epochs": 2})
     stack.fit(convolutions).model.save(made / "model_convolutions.safetensors")
     members = [made / f"model_{name}.safetensors" for name in ("convolutions", "hmm", "lookup")]
-    blocks = TriphoneState(PHONES), PhoneTrack(PHONES)
+    blocks = TriphoneState(PHONES), track
     ensemble.fit(task("ensemble", {}, *blocks, parents=members)).model.save(made / "model_ensemble.safetensors")
     compensation = task("gv_compensation", {}, *blocks, parents=[made / "model_ensemble.safetensors"])
     gv_compensation.fit(compensation).model.save(made / "model_gv_compensation.safetensors")

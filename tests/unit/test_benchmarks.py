@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from tests.paths import REPOSITORY
-from visualspeech.evaluation.articulation import Closure
+from visualspeech.evaluation.articulation import Target
 
 FOLDER = REPOSITORY / "benchmarks"
 #: Runs in an environment of its own, without this project.
@@ -83,7 +83,7 @@ def test_occurrences_of_free_text_are_told_apart_by_context():
     alignment = Alignment((Segment("word", 0.0, 1.0),), phones, ())
     opening = np.full(25, 9.0)
     opening[7] = 1.0  # 0.3 s, in the "b"
-    closures = (Closure("bilabial", 2.0, 9), Closure("labiodental", 3.0, 9))
+    closures = (Target("bilabial", 2.0, 9), Target("labiodental", 3.0, 9))
     assert articulation.closed([(opening, alignment, 25.0)], closures) == [
         ("bilabial", "b", ("ah", "b", "ah"), True),
         ("labiodental", "f", ("ah", "f", "sil"), False),

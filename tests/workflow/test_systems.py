@@ -87,8 +87,8 @@ def test_a_change_of_one_system_leaves_the_other_alone(two_systems, tiny_run, tm
 
 def test_rows_that_are_made_of_others_are_rows_of_the_tables(two_systems):
     corpus, _, _ = two_systems
-    table = read_table(corpus / "second" / "tables" / "objective.tsv", ("row",))
-    assert set(SECOND_ROWS) < set(table["row"])
+    lines = (corpus / "second" / "tables" / "objective.tsv").read_text().splitlines()
+    assert set(SECOND_ROWS) < {line.split("\t")[0] for line in lines if not line.startswith("#")}
     with ArrayReader(corpus / "second/models/mix/predictions.h5") as mixed:
         found = {name: mixed.array(name, "appearance") for name in mixed.ids}
     for name, mean in found.items():

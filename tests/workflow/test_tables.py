@@ -18,7 +18,7 @@ def planned(folder, target, configfiles):
 
 def test_every_table_is_there_in_four_forms(tiny_run):
     folder = tiny_run / "results" / "tiny" / "fan2015" / "tables"
-    for name in ("objective", "topologies", "comparisons", "articulation", "gains", "ablation"):
+    for name in ("objective", "topologies", "comparisons", "articulation", "resting", "gains", "ablation"):
         for suffix in ("tsv", "md", "tex", "html"):
             assert (folder / f"{name}.{suffix}").stat().st_size > 100
     assert "156.502" in (folder / "topologies.md").read_text()

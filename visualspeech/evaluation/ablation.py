@@ -5,7 +5,7 @@ from collections.abc import Mapping, Sequence
 from visualspeech.evaluation.layout import Cell, Row, Table, definitions_of, interval, shown
 from visualspeech.evaluation.measured import MeasuredRows
 from visualspeech.evaluation.metrics import metric_named
-from visualspeech.evaluation.statistics import BootstrapSettings, Sampled, draws, figure, sample
+from visualspeech.evaluation.statistics import BootstrapSettings, Sampled, draws, figure, sample_row
 
 COLUMNS = ("row", "column", "model", "metric", "value", "low", "high", "difference", "difference_low",
            "difference_high")  # fmt: skip
@@ -22,7 +22,7 @@ def ablation_frame(
 
     Parameters
     ----------
-    measured : the models; repetitions are pooled
+    measured : the models; repetitions are pooled, and their spread is part of the intervals
     columns : what the models of a row have or lack, the reference first
     rows : heading -> cell of the model in each column
     metrics : names of measures
@@ -35,7 +35,7 @@ def ablation_frame(
     drawn, lines = draws(measured.utterances, bootstrap), []
     for row, models in rows.items():
         for metric in map(metric_named, metrics):
-            sampled = [sample(measured.tables[model], metric, drawn) for model in models]
+            sampled = [sample_row(measured, model, metric, drawn, bootstrap) for model in models]
             for column, model, own in zip(columns, models, sampled, strict=True):
                 value = figure(own, bootstrap.level)
                 between = Sampled(own.value - sampled[0].value, own.samples - sampled[0].samples)
@@ -48,14 +48,14 @@ def ablation_frame(
 
 
 def ablation_tables(
-    frame, facts: Sequence[tuple[str, str]], bootstrap: BootstrapSettings, digits: int = 3
+    frame, measured: MeasuredRows, facts: Sequence[tuple[str, str]], bootstrap: BootstrapSettings, digits: int = 3
 ) -> tuple[Table, ...]:
     """The table of :func:`ablation_frame`: for each row its models, and the differences to the first of them.
 
     Parameters
     ----------
+    measured, bootstrap : as given to :func:`ablation_frame`
     facts : what the figures were computed on
-    bootstrap : as given to :func:`ablation_frame`
     """
     metrics = tuple(map(metric_named, dict.fromkeys(frame["metric"])))
     columns = list(dict.fromkeys(frame["column"]))
@@ -72,7 +72,7 @@ def ablation_tables(
         "Ablation",
         tuple(metric.heading for metric in metrics),
         tuple(rows),
-        facts=(*facts, ("intervals", bootstrap.text)),
+        facts=(*facts, ("intervals", bootstrap.text(measured.pooled()))),
         notes=("Intervals of differences are paired. A difference is bold if its interval excludes 0.",),
         definitions=definitions_of(metrics),
     )

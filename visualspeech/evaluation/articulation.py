@@ -4,10 +4,11 @@ All measures are computed from decoded points (:func:`visualspeech.face.lips.lip
 visual coding, and they are absolute: the mean of an utterance is not removed. A prediction is decoded with the
 reference face of the corpus and compared with the tracked points of the recording, moved onto the same reference face.
 
-*Closure.* The least opening within an occurrence of a phone, from :data:`MARGIN` seconds before the phone to
-:data:`MARGIN` seconds after it, is compared with a threshold: the 90th percentile of the same quantity over all
-occurrences of the class of phones (:data:`CLOSURES`) in the recorded training utterances. A speaker whose recordings
-were scored in this way would have a closure rate of about 0.9.
+*Closure.* The least opening within an occurrence of a phone (:mod:`visualspeech.speech.closures`) is compared with a
+threshold: the 90th percentile of the same quantity over all occurrences of the class of phones (:data:`CLOSURES`) in
+the recorded training utterances. A speaker whose recordings were scored in this way would have a closure rate of about
+0.9. A mouth that hardly moves can close as often, so open vowels are counted too: the greatest opening within one is
+compared with the 10th percentile of the recorded training occurrences.
 
 *Opening over time.* Correlation and standard-deviation ratio are those of all frames. The lag is the position of the
 maximum of the cross-correlation of both openings, each less its mean over the utterance.
@@ -26,27 +27,26 @@ from visualspeech.evaluation.metrics import ABSOLUTE, Metric, quotient
 from visualspeech.face.lips import has_inner_lips, lip_opening
 from visualspeech.face.point_sets import to_points
 from visualspeech.speech.alignment import Alignment
-from visualspeech.speech.phones import CLASSES
+from visualspeech.speech.closures import CLOSURES, OPEN, OPEN_VOWELS, greatest_openings, least_openings
 from visualspeech.storage.tables import read_table, write_table
-from visualspeech.timing import frame_times
 
-#: Class of phones (:data:`visualspeech.speech.phones.CLASSES`) -> the phones as they are named in tables.
-CLOSURES = {"bilabial": "p, b, m", "labiodental": "f, v"}
-MARGIN = 0.04  # seconds: one frame at 25 Hz
 PERCENTILE = 90
+#: Class of phones -> the phones as they are named in tables.
+TARGETS = {**CLOSURES, OPEN: ", ".join(sorted(OPEN_VOWELS))}
 MAX_LAG = 0.2  # seconds
 LAGS = np.arange(-20, 21) * (MAX_LAG / 20)  # positive: the prediction comes after the recording
 _CONSTANT = 1e-9  # of the mean square: less variance than this is rounding
 
 
 @dataclass(frozen=True)
-class Closure:
-    """What counts as closed for one class of phones.
+class Target:
+    """What counts as closed for a class of phones, or as open for open vowels.
 
     Parameters
     ----------
-    name : class of phones, a key of :data:`CLOSURES`
-    threshold : largest opening that counts as closed, in pixels of the normalised face; NaN without occurrences
+    name : class of phones, a key of :data:`TARGETS`
+    threshold : largest opening that counts as closed, or least one that counts as open, in pixels of the normalised
+        face; NaN without occurrences
     occurrences : number of training occurrences that it was taken from
     """
 
@@ -54,56 +54,48 @@ class Closure:
     threshold: float
     occurrences: int
 
-
-def least_openings(opening: np.ndarray, alignment: Alignment, rate: float, name: str) -> np.ndarray:
-    """Least opening in each occurrence of a class of phones, (n,); occurrences outside the frames are left out.
-
-    Parameters
-    ----------
-    opening : (T,) at ``rate`` Hz
-    name : class of phones
-    """
-    return np.array([least for _, least in occurrences(opening, alignment, rate, name)])
+    def reached(self, openings: np.ndarray) -> np.ndarray:
+        """Whether the openings (n,) of :func:`openings_of` reach the target."""
+        return openings >= self.threshold if self.name == OPEN else openings <= self.threshold
 
 
-def occurrences(opening: np.ndarray, alignment: Alignment, rate: float, name: str) -> list[tuple[int, float]]:
-    """Number in the phone tier and least opening of each occurrence; as :func:`least_openings`."""
-    times, found = frame_times(len(opening), rate), []
-    for number, phone in enumerate(alignment.phones):
-        if phone.label in CLASSES[name]:
-            inside = (times >= phone.start - MARGIN) & (times <= phone.end + MARGIN)
-            if inside.any():
-                found.append((number, float(opening[inside].min())))
-    return found
+def openings_of(opening: np.ndarray, alignment: Alignment, rate: float, name: str) -> np.ndarray:
+    """Least opening in each occurrence of a class of phones, of open vowels the greatest, (n,)."""
+    if name == OPEN:
+        return greatest_openings(opening, alignment, rate)
+    return least_openings(opening, alignment, rate, name)
 
 
-def closures_of(recorded: Iterable[tuple[np.ndarray, Alignment, float]]) -> tuple[Closure, ...]:
+def targets_of(recorded: Iterable[tuple[np.ndarray, Alignment, float]]) -> tuple[Target, ...]:
     """The thresholds of a speaker.
 
     Parameters
     ----------
     recorded : opening (T,), alignment and frame rate in Hz of each training utterance
     """
-    least: dict[str, list[np.ndarray]] = {name: [] for name in CLOSURES}
-    for opening, alignment, rate in recorded:
-        for name, found in least.items():
-            found.append(least_openings(opening, alignment, rate, name))
-    whole = {name: np.concatenate(found) if found else np.zeros(0) for name, found in least.items()}
-    return tuple(
-        Closure(name, float(np.percentile(values, PERCENTILE)) if len(values) else float("nan"), len(values))
-        for name, values in whole.items()
-    )
+    found: dict[str, list[np.ndarray]] = {name: [] for name in TARGETS}
+    for utterance in recorded:
+        for name, values in found.items():
+            values.append(openings_of(*utterance, name))
+    whole = {name: np.concatenate(values) if values else np.zeros(0) for name, values in found.items()}
+    return tuple(Target(name, _threshold(name, values), len(values)) for name, values in whole.items())
 
 
-def write_closures(path, closures: Iterable[Closure]) -> None:
+def _threshold(name: str, values: np.ndarray) -> float:
+    if not len(values):
+        return float("nan")
+    return float(np.percentile(values, 100 - PERCENTILE if name == OPEN else PERCENTILE))
+
+
+def write_targets(path, targets: Iterable[Target]) -> None:
     """Write thresholds as a table with the columns name, threshold (pixels) and occurrences."""
     import pandas
 
-    write_table(path, pandas.DataFrame([vars(one) for one in closures], columns=["name", "threshold", "occurrences"]))
+    write_table(path, pandas.DataFrame([vars(one) for one in targets], columns=["name", "threshold", "occurrences"]))
 
 
-def read_closures(path) -> tuple[Closure, ...]:
-    """Read what :func:`write_closures` wrote.
+def read_targets(path) -> tuple[Target, ...]:
+    """Read what :func:`write_targets` wrote.
 
     Raises
     ------
@@ -111,20 +103,20 @@ def read_closures(path) -> tuple[Closure, ...]:
         The file is missing, or not such a table.
     """
     table = read_table(path, ("name",), ("threshold", "occurrences"), ("name",))
-    if list(table["name"]) != list(CLOSURES):
-        raise DamagedFile(path, f"it must have a row for each of {', '.join(CLOSURES)}")
-    return tuple(Closure(one.name, float(one.threshold), int(one.occurrences)) for one in table.itertuples(index=False))
+    if list(table["name"]) != list(TARGETS):
+        raise DamagedFile(path, f"it must have a row for each of {', '.join(TARGETS)}")
+    return tuple(Target(one.name, float(one.threshold), int(one.occurrences)) for one in table.itertuples(index=False))
 
 
 def articulation(
-    predicted: np.ndarray, true: np.ndarray, alignment: Alignment, rate: float, closures: Iterable[Closure]
+    predicted: np.ndarray, true: np.ndarray, alignment: Alignment, rate: float, targets: Iterable[Target]
 ) -> dict[str, float]:
     """Statistics of one utterance: the columns that the measures of :data:`ARTICULATION` need.
 
     Parameters
     ----------
     predicted, true : opening (T,) of prediction and recording in pixels of the normalised face
-    closures : from :func:`closures_of`
+    targets : from :func:`targets_of`
 
     Raises
     ------
@@ -134,11 +126,11 @@ def articulation(
     if not (0 < len(predicted) == len(true)):
         raise DataError(f"the predicted opening has {len(predicted)} frames, the recorded one {len(true)}.")
     found: dict[str, float] = {}
-    for one in closures:
+    for one in targets:
         for prefix, opening in (("", predicted), ("recorded_", true)):
-            least = least_openings(opening, alignment, rate, one.name)
-            found[f"{prefix}{one.name}_closed"] = float(np.count_nonzero(least <= one.threshold))
-        found[f"{one.name}_occurrences"] = float(len(least)) if one.occurrences else 0.0
+            values = openings_of(opening, alignment, rate, one.name)
+            found[f"{prefix}{one.name}_reached"] = float(np.count_nonzero(one.reached(values)))
+        found[f"{one.name}_occurrences"] = float(len(values)) if one.occurrences else 0.0
     x, y = np.asarray(predicted, np.float64), np.asarray(true, np.float64)
     moments = (np.full(len(x), 1.0), x, y, x * x, y * y, x * y)
     found |= {f"opening.{number}": float(values.sum()) for number, values in enumerate(moments)}
@@ -153,7 +145,7 @@ def articulation_of(appearance: np.ndarray, recorded: np.ndarray, coding, *spoke
     appearance : (T, N) predicted parameters
     recorded : (T, 2P) shape vectors of the recording, moved onto the reference face of the corpus
     coding : :class:`visualspeech.face.coding.VisualCoding`
-    spoken : alignment, rate and closures, as :func:`articulation` takes them
+    spoken : alignment, rate and targets, as :func:`articulation` takes them
     """
     if not has_inner_lips(coding.points):
         return {}
@@ -226,13 +218,14 @@ def opening_lag(sums: np.ndarray) -> np.ndarray:
 
 
 def _closure(name: str) -> Metric:
+    phones = TARGETS[name]
     return Metric(
         f"closure_{name}",
-        f"Closure of {CLOSURES[name]}",
-        f"share of the occurrences of {CLOSURES[name]} in which the least opening of the lips is at most the "
-        f"{PERCENTILE}th percentile of the recorded training occurrences",
+        f"Closure of {phones}",
+        f"share of the occurrences of {phones} in which the least opening of the lips is at most the {PERCENTILE}th "
+        "percentile of the recorded training occurrences",
         "high",
-        (f"{name}_closed", f"{name}_occurrences"),
+        (f"{name}_reached", f"{name}_occurrences"),
         protocol=ABSOLUTE,
     )
 
@@ -241,6 +234,15 @@ ARTICULATION: dict[str, Metric] = {
     metric.name: metric
     for metric in (
         *map(_closure, CLOSURES),
+        Metric(
+            "open_vowels",
+            "Open vowels",
+            f"share of the occurrences of {TARGETS[OPEN]} in which the greatest opening of the lips is at least the "
+            f"{100 - PERCENTILE}th percentile of the recorded training occurrences: low for a mouth that hardly moves",
+            "high",
+            ("open_reached", "open_occurrences"),
+            protocol=ABSOLUTE,
+        ),
         Metric(
             "opening_corr",
             "Opening: correlation",
@@ -274,9 +276,12 @@ ARTICULATION: dict[str, Metric] = {
 }
 
 
-def recorded_closures(table) -> Mapping[str, float]:
-    """Closure rate of the recorded faces of the same utterances by class of phones; NaN without occurrences."""
-    return {
-        name: float(quotient(np.array([table[f"recorded_{name}_closed"].sum(), table[f"{name}_occurrences"].sum()])))
-        for name in CLOSURES
-    }
+#: Measures of which the recorded faces have figures too: name of the measure -> class of phones.
+OF_RECORDINGS = {**{f"closure_{name}": name for name in CLOSURES}, "open_vowels": OPEN}
+
+
+def recorded_figures(table) -> Mapping[str, float]:
+    """The measures :data:`OF_RECORDINGS` of the recorded faces of the same utterances; NaN without occurrences."""
+    sums = {key: (table[f"recorded_{name}_reached"].sum(), table[f"{name}_occurrences"].sum())
+            for key, name in OF_RECORDINGS.items()}  # fmt: skip
+    return {key: float(quotient(np.array(pair))) for key, pair in sums.items()}

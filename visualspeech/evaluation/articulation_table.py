@@ -1,12 +1,20 @@
-"""The table of articulation: closures of the lips and their opening over time, for every row of a system."""
+"""The table of articulation: closures of the lips, open vowels and the opening over time, for every row of a system."""
 
 from collections.abc import Mapping, Sequence
 
-from visualspeech.evaluation.articulation import ARTICULATION, CLOSURES, MARGIN, PERCENTILE, Closure, recorded_closures
+from visualspeech.evaluation.articulation import (
+    ARTICULATION,
+    OF_RECORDINGS,
+    PERCENTILE,
+    TARGETS,
+    Target,
+    recorded_figures,
+)
 from visualspeech.evaluation.layout import Cell, Row, Table, best_of, definitions_of, interval, shown
 from visualspeech.evaluation.measured import MeasuredRows
 from visualspeech.evaluation.metrics import is_measured
 from visualspeech.evaluation.statistics import NO_FIGURE, BootstrapSettings, Figure, draws, figure, sample
+from visualspeech.speech.closures import MARGIN
 
 #: Columns of the TSV file for each measure; ``value`` is the measure's own name.
 PARTS = ("value", "low", "high")
@@ -16,7 +24,7 @@ LAG_DIGITS = 1  # of milliseconds
 
 def articulation_tables(
     measured: MeasuredRows,
-    closures: Sequence[Closure],
+    targets: Sequence[Target],
     facts: Sequence[tuple[str, str]],
     digits: int = 3,
     bootstrap: BootstrapSettings | None = None,
@@ -26,7 +34,7 @@ def articulation_tables(
     Parameters
     ----------
     measured : rows whose tables may hold :func:`visualspeech.evaluation.articulation.articulation`
-    closures : thresholds of the speaker
+    targets : thresholds of the speaker
     facts : what the figures were computed on (:meth:`visualspeech.evaluation.facts.TableFacts.lines`)
 
     Returns
@@ -43,9 +51,9 @@ def articulation_tables(
         for name, metric in ARTICULATION.items()
     }
     first = next(iter(measured.tables.values()))
-    known = recorded_closures(first) if is_measured(first, ARTICULATION["opening_corr"]) else {}
+    known = recorded_figures(first) if is_measured(first, ARTICULATION["opening_corr"]) else {}
     figures |= {(RECORDED, name): NO_FIGURE for name in ARTICULATION}
-    figures |= {(RECORDED, f"closure_{name}"): Figure(value, *[float("nan")] * 2) for name, value in known.items()}
+    figures |= {(RECORDED, name): Figure(value, *[float("nan")] * 2) for name, value in known.items()}
     cells = {key: _text(value, LAG_DIGITS if key[1] == "opening_lag" else digits) for key, value in figures.items()}
     kinds = [(row.name, row.title, row.role) for row in measured.rows] + [(RECORDED, "Recorded faces", "floor")]
     compared = [name for name, _, role in kinds if role != "floor"]
@@ -75,7 +83,7 @@ def articulation_tables(
             "The best value in each column is bold.",
             "From decoded points of the lips; means of utterances are not removed. "
             f"An occurrence lasts from {1000 * MARGIN:g} ms before a phone to {1000 * MARGIN:g} ms after it.",
-            *_thresholds(closures),
+            *_thresholds(targets),
         ),
         definitions=definitions_of(tuple(ARTICULATION.values())),
     )
@@ -89,18 +97,21 @@ def _text(given: Figure, digits: int) -> dict[str, str]:
 def _occurrences(table, known: Mapping) -> tuple[tuple[str, str], ...]:
     if not known:
         return ()
-    counts = ", ".join(f"{int(table[f'{name}_occurrences'].sum())} of {CLOSURES[name]}" for name in known)
+    counts = ", ".join(
+        f"{int(table[f'{name}_occurrences'].sum())} of {TARGETS[name]}" for name in map(OF_RECORDINGS.get, known)
+    )
     return (("test occurrences", counts),)
 
 
-def _thresholds(closures: Sequence[Closure]) -> tuple[str, ...]:
-    known = [one for one in closures if one.occurrences]
+def _thresholds(targets: Sequence[Target]) -> tuple[str, ...]:
+    known = [one for one in targets if one.occurrences]
     if not known:
         return ("The visual coding has no inner lips, or no such phone occurs in the training utterances.",)
     limits = ", ".join(
-        f"{one.threshold:.2f} px ({CLOSURES[one.name]}; {one.occurrences} training occurrences)" for one in known
+        f"{one.threshold:.2f} px ({TARGETS[one.name]}; {one.occurrences} training occurrences)" for one in known
     )
-    return (f"Thresholds, the {PERCENTILE}th percentiles of the recorded training occurrences: {limits}.",)
+    shares = f"{PERCENTILE}th percentiles of the recorded training occurrences (of open vowels {100 - PERCENTILE}th)"
+    return (f"Thresholds, the {shares}: {limits}.",)
 
 
 def _frame(rows: Sequence[str], cells: Mapping):

@@ -3,7 +3,7 @@
 import numpy as np
 
 from visualspeech.errors import DataError
-from visualspeech.face.point_sets import PointSet
+from visualspeech.face.point_sets import PointSet, to_points
 
 
 def has_inner_lips(points: PointSet) -> bool:
@@ -40,3 +40,10 @@ def lip_opening(faces: np.ndarray, points: PointSet) -> np.ndarray:
     if faces.shape[-2:] != (points.size, 2):
         raise DataError(f"expected the {points.size} points of {points.name}, got faces of shape {faces.shape}")
     return faces[..., 1] @ opening_weights(points)
+
+
+def opening_stream(shape: np.ndarray, points: PointSet) -> dict[str, np.ndarray]:
+    """The opening (T,) float32 of shape vectors (T, 2N), under its name in files; empty without inner lips."""
+    if not has_inner_lips(points):
+        return {}
+    return {"opening": lip_opening(to_points(shape), points).astype(np.float32)}

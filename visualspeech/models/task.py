@@ -11,6 +11,7 @@ from visualspeech.errors import DataError
 from visualspeech.features.blocks.base import Block
 from visualspeech.features.examples import Example
 from visualspeech.features.streams import Stream, check_stream
+from visualspeech.models.lips import Lips
 from visualspeech.models.rows import ModelRow
 
 
@@ -26,6 +27,8 @@ class Task:
     coding : digest of the visual coding whose parameters are predicted, kept with the model
     parents : files of the models that it is made from
     checkpoint : file in which a long training keeps its state; None for none
+    lips : of the training utterances, for networks whose training weights closures or open vowels; without it, these
+        weights count as 0
     """
 
     row: ModelRow
@@ -35,6 +38,7 @@ class Task:
     coding: str = ""
     parents: Sequence[Path] = ()
     checkpoint: Path | None = None
+    lips: Lips | None = None
 
 
 class Model(Protocol):

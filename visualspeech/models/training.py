@@ -16,6 +16,7 @@ from visualspeech.features.examples import Example
 from visualspeech.jobs import log
 from visualspeech.models.batches import Batch, Content, Scaling, batch, batches, content
 from visualspeech.models.checkpoints import read_checkpoint, write_checkpoint
+from visualspeech.models.lip_loss import LipLoss
 from visualspeech.models.objectives import Objective, objective_of
 from visualspeech.models.task import Task
 from visualspeech.models.training_settings import TrainingSettings
@@ -87,6 +88,7 @@ class _Run:
     validation: Sequence[Example]
     known: tuple[Content, Content]
     scaling: Scaling
+    lips: LipLoss | None
 
     @property
     def objective(self) -> Objective:
@@ -125,7 +127,8 @@ def train(
         for examples, name in ((task.training, "training"), (task.validation, "validation"))
     )
     scaling = Scaling.of(known[0], settings.scaling)
-    run = _Run(task.row.name, settings, task.training, task.validation, known, scaling)
+    lips = LipLoss.of(task.lips, scaling, settings)
+    run = _Run(task.row.name, settings, task.training, task.validation, known, scaling, lips)
     layouts = [asdict(block.layout) for block in task.blocks.values()]
     whole = digest(
         [
@@ -133,6 +136,7 @@ def train(
             asdict(settings),
             layouts,
             [part.digest for part in known],
+            task.lips.digest if lips else "",
             torch.__version__,
             code_digest(__file__),
         ]
@@ -243,10 +247,12 @@ def _updates(state: _State, run: _Run) -> np.ndarray:
         given = batch(run.training, order[chosen], run.scaling)
         predicted = state.module(given)
         loss = objective.loss(predicted, given.targets, given.lengths)
+        # The learning curve is that of the objective.
+        minimised = loss if run.lips is None else loss + run.lips(predicted, order[chosen])
         # Adam does not see the loss's scale; the mean over frames makes `max_grad_norm` independent of the batch.
         per_frame = objective.additive and settings.optimiser == "adam"
         state.optimiser.zero_grad()
-        (loss / given.lengths.sum() if per_frame else loss).backward()
+        (minimised / given.lengths.sum() if per_frame else minimised).backward()
         if settings.max_grad_norm:
             torch.nn.utils.clip_grad_norm_(state.module.parameters(), settings.max_grad_norm)
         state.optimiser.step()

@@ -50,6 +50,20 @@ class TrainingSettings(Settings):
         minimum=0,
         maximum=1,
     )
+    closure_weight: float = setting(
+        0.0,
+        "Weight of lips that are predicted more open than recorded where they close, in p, b, m, f and v; with "
+        "`objective` sse or sse_centred. 1: the opening in such a frame counts as much as all parameters.",
+        minimum=0,
+        maximum=100,
+    )
+    open_weight: float = setting(
+        0.0,
+        "The same of lips that are predicted less open than recorded where they are most open, in the vowels aa, ae, "
+        "aw, ay and eh.",
+        minimum=0,
+        maximum=100,
+    )
     batcher: str = setting(
         "utterances",
         "How utterances are batched: utterances (batch_size of them), frames (as many as hold batch_frames).",

@@ -2,6 +2,7 @@
 from visualspeech.face.point_sets import point_set_path
 from visualspeech.features.blocks.base import block_class, block_module, needs_of
 from visualspeech.models.families import FAMILIES
+from visualspeech.models.lips import WEIGHTS
 from visualspeech.models.registry import code_modules
 from visualspeech.models.rows import ModelRow
 
@@ -56,6 +57,12 @@ def features_of(wildcards):
         for block in row_of(wildcards).reads
         for path in filled("<system>/features/{block}/{shard}.h5", wildcards, block=block, shard=numbers)
     ]
+
+
+def alignment_of_lips(wildcards):
+    """Alignment of all shards, if the training of a row asks for the closures of its utterances."""
+    asked = any(row_of(wildcards).training.get(name) for name in WEIGHTS)
+    return shards("<corpus>/alignment/{shard}.tsv")(wildcards) if asked else []
 
 
 def where_needed(need, pattern):

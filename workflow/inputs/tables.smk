@@ -38,6 +38,14 @@ def statistics_of(roles=("model", "baseline", "floor"), names=None):
     ]
 
 
+def predictions_of_rows(roles):
+    """Input function: predictions of the rows of given roles, in the order of :func:`plain_rows`."""
+    rows = plain_rows(roles)
+    return lambda wildcards: [
+        path for row in rows(wildcards) for path in filled("<model>/predictions.h5", wildcards, model=row["name"])
+    ]
+
+
 def of_topologies(system):
     """Names of the rows of the table of topologies, with the training mean that ratios are taken to."""
     return [*system["tables"]["topologies"], "training_mean"]
@@ -64,6 +72,7 @@ def tables_of(system):
         *(["topologies"] if wanted["topologies"] else []),
         "comparisons",
         "articulation",
+        "resting",
         *(["gains"] if gains["candidates"] and gains["references"] else []),
         *(["ablation"] if wanted["ablation"]["rows"] else []),
     ]

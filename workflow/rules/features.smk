@@ -15,7 +15,8 @@ rule build_targets:
         disk_mb=500,
     params:
         rate=lambda wildcards: system_of(wildcards)["rate"],
-        code=code("build_targets.py"),
+        points=lambda wildcards: coding_of(wildcards)["points"],
+        code=points_code("build_targets.py"),
     script:
         "../scripts/build_targets.py"
 

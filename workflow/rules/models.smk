@@ -8,6 +8,7 @@ rule train_model:
             "<system>/features/{block}/block.safetensors", wildcards, block=row_of(wildcards).reads
         ),
         features=features_of,
+        alignment=alignment_of_lips,
         # The models that it is made from.
         parents=lambda wildcards: filled(
             "<system>/models/{parent}/model.safetensors", wildcards, parent=row_of(wildcards).parents

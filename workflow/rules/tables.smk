@@ -1,22 +1,22 @@
 # The result tables of each system, and of all systems of a corpus.
-rule measure_closures:
+rule measure_lips:
     input:
         utterances=of_coding("utterances.tsv"),
         coding=of_coding("model.safetensors"),
         targets=shards("<system>/targets/{shard}.h5"),
         alignment=shards("<corpus>/alignment/{shard}.tsv"),
     output:
-        "<system>/closures.tsv",
+        "<system>/lips.tsv",
     log:
-        "<system>/logs/measure_closures.log",
+        "<system>/logs/measure_lips.log",
     threads: 1
     resources:
         mem_mb=500,
         disk_mb=50,
     params:
-        code=code("measure_closures.py"),
+        code=code("measure_lips.py"),
     script:
-        "../scripts/measure_closures.py"
+        "../scripts/measure_lips.py"
 
 
 rule measure_model:
@@ -26,7 +26,7 @@ rule measure_model:
         predictions="<system>/models/{model}/predictions.h5",
         targets=shards("<system>/targets/{shard}.h5"),
         alignment=shards("<corpus>/alignment/{shard}.tsv"),
-        closures="<system>/closures.tsv",
+        lips="<system>/lips.tsv",
     output:
         test="<system>/models/{model}/statistics.tsv",
         validation="<system>/models/{model}/validation.tsv",
@@ -70,7 +70,7 @@ rule tabulate_articulation:
     input:
         utterances=of_coding("utterances.tsv"),
         coding=of_coding("model.safetensors"),
-        closures="<system>/closures.tsv",
+        lips="<system>/lips.tsv",
         statistics=statistics_of(),
     output:
         multiext("<system>/tables/articulation", *FORMS),
@@ -86,6 +86,29 @@ rule tabulate_articulation:
         code=code("tabulate_articulation.py"),
     script:
         "../scripts/tabulate_articulation.py"
+
+
+rule tabulate_resting:
+    input:
+        utterances=of_coding("utterances.tsv"),
+        coding=of_coding("model.safetensors"),
+        alignment=shards("<corpus>/alignment/{shard}.tsv"),
+        targets=shards("<system>/targets/{shard}.h5"),
+        predictions=predictions_of_rows(("model",)),
+    output:
+        multiext("<system>/tables/resting", *FORMS),
+    log:
+        "<system>/logs/tabulate_resting.log",
+    params:
+        rows=carried(plain_rows(("model",))),
+        rows_digest=marked(plain_rows(("model",))),
+        facts=facts_of,
+        digits=lambda wildcards: system_of(wildcards)["tables"]["digits"],
+        bootstrap=lambda wildcards: system_of(wildcards)["tables"]["bootstrap"],
+        seed=SEED,
+        code=code("tabulate_resting.py"),
+    script:
+        "../scripts/tabulate_resting.py"
 
 
 rule tabulate_topologies:

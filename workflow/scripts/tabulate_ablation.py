@@ -5,6 +5,7 @@ from visualspeech.evaluation.ablation import ablation_frame, ablation_tables
 from visualspeech.evaluation.facts import TableFacts
 from visualspeech.evaluation.forms import all_forms
 from visualspeech.evaluation.measured import MeasuredRows
+from visualspeech.evaluation.metrics import CENTRED
 from visualspeech.evaluation.statistics import BootstrapSettings
 from visualspeech.evaluation.tables import TableSettings
 from visualspeech.jobs import job
@@ -17,8 +18,8 @@ with job(snakemake.log[0]):
     measured = MeasuredRows.of(params.rows, [read_numbers(path) for path in source.statistics])
     facts = TableFacts.of(params.facts, read_split(source.utterances), read_shapes(source.coding), measured)
     settings, bootstrap = TableSettings(**params.settings), BootstrapSettings(**params.bootstrap, seed=params.seed)
-    ablation = params.ablation
-    frame = ablation_frame(measured, ablation["columns"], ablation["rows"], settings.metrics, bootstrap)
-    tables = ablation_tables(frame, facts.lines(measured), bootstrap, settings.digits)
+    metrics = [metric.name for metric in measured.metrics(settings.metrics, CENTRED)]
+    frame = ablation_frame(measured, params.ablation["columns"], params.ablation["rows"], metrics, bootstrap)
+    tables = ablation_tables(frame, measured, facts.lines(measured, CENTRED), bootstrap, settings.digits)
     for path, text in zip(snakemake.output, all_forms(frame, tables, "Ablation"), strict=True):
         write_text(path, text)

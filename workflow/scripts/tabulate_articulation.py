@@ -1,7 +1,7 @@
 """The table of articulation of a system: closures of the lips and their opening over time."""
 
 from visualspeech.corpora.table import read_split
-from visualspeech.evaluation.articulation import read_closures
+from visualspeech.evaluation.articulation import read_targets
 from visualspeech.evaluation.articulation_table import articulation_tables
 from visualspeech.evaluation.facts import TableFacts
 from visualspeech.evaluation.forms import all_forms
@@ -17,7 +17,7 @@ with job(snakemake.log[0]):
     measured = MeasuredRows.of(params.rows, [read_numbers(path) for path in source.statistics])
     facts = TableFacts.of(params.facts, read_split(source.utterances), read_shapes(source.coding), measured)
     bootstrap = BootstrapSettings(**params.bootstrap, seed=params.seed)
-    closures = read_closures(source.closures)
-    frame, tables = articulation_tables(measured, closures, facts.lines(measured), params.digits, bootstrap)
+    lips = read_targets(source.lips)
+    frame, tables = articulation_tables(measured, lips, facts.lines(measured), params.digits, bootstrap)
     for path, text in zip(snakemake.output, all_forms(frame, tables, "Articulation"), strict=True):
         write_text(path, text)

@@ -7,6 +7,7 @@ from visualspeech.corpora.table import of_split, read_utterances
 from visualspeech.features.examples import Examples, opened_blocks
 from visualspeech.jobs import job
 from visualspeech.models.block_states import load_blocks
+from visualspeech.models.lips import recorded_lips
 from visualspeech.models.rows import ModelRow
 from visualspeech.models.task import Task
 from visualspeech.provenance import file_digest
@@ -28,7 +29,8 @@ with (
     checkpoint = Path(snakemake.output.model).with_name("checkpoint.safetensors")
     parents = [Path(path) for path in source.parents]
     blocks = load_blocks(dict(zip(row.reads, source.blocks, strict=True)))
-    task = Task(row, blocks, training, validation, file_digest(source.coding), parents, checkpoint)
+    lips = recorded_lips(row, training.ids, targets, source.alignment)
+    task = Task(row, blocks, training, validation, file_digest(source.coding), parents, checkpoint, lips)
     fitted = import_module(snakemake.params.module).fit(task)
     write_table(snakemake.output.curve, fitted.curve)
     fitted.model.save(snakemake.output.model)

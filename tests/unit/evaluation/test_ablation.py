@@ -36,9 +36,10 @@ def test_differences_are_paired_and_seeds_pooled():
     lines = table.set_index(["row", "column", "metric"])
     network = lines.loc["FBB-128", "state times", "rmse_appearance"]
     assert network["model"] == "FBB-128"
-    # The mean error of the two seeds is lower by .2 in every utterance: no uncertainty, where the rows have much.
-    assert network[["difference", "difference_low", "difference_high"]].tolist() == pytest.approx([-0.2] * 3)
-    assert network["high"] - network["low"] > 0.2
+    # The errors of the two seeds are lower by .1 and .3 in every utterance: seeds are all of the uncertainty.
+    assert network[["difference", "difference_low", "difference_high"]].tolist() == pytest.approx([-0.2, -0.3, -0.1])
+    corr = lines.loc["FBB-128", "state times", "corr"]
+    assert corr[["difference", "difference_low", "difference_high"]].tolist() == pytest.approx([-0.1] * 3)
     tables = found().tables
     for column, model in zip(HEADINGS, ROWS["tied HMM"], strict=True):
         line = lines.loc["tied HMM", column, "rmse_appearance"]
@@ -50,17 +51,17 @@ def test_differences_are_paired_and_seeds_pooled():
 
 
 def test_layout():
-    made = ablation_tables(frame(), (("corpus", "demo"),), BOOTSTRAP, 2)
+    made = ablation_tables(frame(), found(), (("corpus", "demo"),), BOOTSTRAP, 2)
     assert [row.title for row in made[0].rows] == [
         "FBB-128", "phone times", "state times", "state times minus phone times",
         "tied HMM", "phone times", "state times", "state times minus phone times",
     ]  # fmt: skip
     difference = made[0].rows[3].cells
     assert [(cell.text, cell.small, cell.best) for cell in difference] == [
-        ("-0.20", "[-0.20, -0.20]", True),
+        ("-0.20", "[-0.30, -0.10]", True),
         ("-0.10", "[-0.10, -0.10]", True),
     ]
     assert not made[0].rows[7].cells[0].best and not made[0].rows[7].cells[1].best
     text = forms.to_markdown(made)
-    assert "**-0.20**" in text and "corpus" in text and "excludes 0" in text
+    assert "**-0.20**" in text and "corpus" in text and "excludes 0" in text and "over utterances and seeds" in text
     assert forms.to_latex(made).count(r"\begin{table}") == 1 and "Ablation" in forms.to_html_page(made, "Ablation")

@@ -9,18 +9,17 @@ from visualspeech.errors import DamagedFile, DataError
 from visualspeech.evaluation.articulation import (
     ARTICULATION,
     LAGS,
-    Closure,
+    Target,
     articulation,
     articulation_of,
-    closures_of,
     cross_correlation,
-    least_openings,
     opening_correlation,
     opening_deviation,
     opening_lag,
-    read_closures,
-    recorded_closures,
-    write_closures,
+    read_targets,
+    recorded_figures,
+    targets_of,
+    write_targets,
 )
 from visualspeech.evaluation.articulation_table import RECORDED, articulation_tables
 from visualspeech.evaluation.forms import all_forms
@@ -28,8 +27,9 @@ from visualspeech.evaluation.metrics import corpus_figure, statistics_of, total
 from visualspeech.evaluation.scoring import score_table
 from visualspeech.face.point_sets import read_point_set, to_vector
 from visualspeech.speech.alignment import Alignment, Segment
+from visualspeech.speech.closures import closing_frames, greatest_openings, least_openings
 
-CLOSURES = (Closure("bilabial", 2.0, 9), Closure("labiodental", 3.0, 9))
+TARGETS = (Target("bilabial", 2.0, 9), Target("labiodental", 3.0, 9), Target("open", 8.0, 9))
 RATE = 25.0
 
 
@@ -47,8 +47,8 @@ def value(rows, name):
     return float(metric.value(total(statistics_of(score_table(rows), metric))))
 
 
-def row(name, predicted, true, alignment, closures=CLOSURES):
-    return {"id": name, "rate": RATE, "frames": len(true)} | articulation(predicted, true, alignment, RATE, closures)
+def row(name, predicted, true, alignment, targets=TARGETS):
+    return {"id": name, "rate": RATE, "frames": len(true)} | articulation(predicted, true, alignment, RATE, targets)
 
 
 def smooth(times, seed=0):
@@ -60,7 +60,7 @@ def smooth(times, seed=0):
 
 def test_windows_reach_one_frame_beyond_the_phone():
     # Frame i stands for 0.02 + 0.04 i seconds; "b" lasts from 0.2 to 0.28 s, so frames 4 (0.18) to 7 (0.30) count.
-    alignment = spoken(("ah", 0.2), ("b", 0.08), ("ah", 0.32))
+    alignment = spoken(("iy", 0.2), ("b", 0.08), ("iy", 0.32))
     for frame in range(15):
         opening = np.full(15, 9.0)
         opening[frame] = 1.0
@@ -70,44 +70,70 @@ def test_windows_reach_one_frame_beyond_the_phone():
     assert not len(least_openings(np.ones(3), alignment, RATE, "bilabial"))
 
 
+def test_frames_of_closures_are_those_of_the_least_opening():
+    alignment = spoken(("b", 0.2), ("f", 0.2), ("iy", 0.2), ("m", 0.2))
+    opening = np.arange(20.0)[::-1].copy()
+    opening[2] = -1
+    # "f" from 0.2 to 0.4 s reaches frame 10 (0.42 s), "m" the end.
+    assert closing_frames(opening, alignment, RATE).tolist() == [2, 10, 19]
+    assert not len(closing_frames(opening, spoken(("iy", 0.8)), RATE))
+
+
 def test_closures_are_counted():
-    alignment = spoken(("ah", 0.2), ("b", 0.08), ("ah", 0.4), ("f", 0.08), ("ah", 0.4), ("m", 0.08), ("ah", 0.2))
+    alignment = spoken(("iy", 0.2), ("b", 0.08), ("iy", 0.4), ("f", 0.08), ("iy", 0.4), ("m", 0.08), ("iy", 0.2))
     true = np.full(36, 9.0)
     true[[5, 17, 29]] = 1.0
     predicted = true + np.where(np.arange(36) == 29, 1.5, 0.0)  # the "m" gapes
     rows = [row("a", predicted, true, alignment), row("b", true, true, alignment)]
     assert value(rows, "closure_bilabial") == 0.75
     assert value(rows, "closure_labiodental") == 1.0
-    assert recorded_closures(score_table(rows)) == {"bilabial": 1.0, "labiodental": 1.0}
+    assert recorded_figures(score_table(rows)) == {
+        "closure_bilabial": 1.0,
+        "closure_labiodental": 1.0,
+        "open_vowels": pytest.approx(np.nan, nan_ok=True),
+    }
     # The mean of an utterance counts: nothing is centred.
     assert value([row("a", true + 5, true, alignment)], "closure_bilabial") == 0
 
 
 def test_thresholds_are_percentiles_of_the_recorded_occurrences():
     generator = np.random.default_rng(1)
-    alignment = spoken(("ah", 0.2), ("b", 0.08), ("ah", 0.4), ("f", 0.08), ("ah", 0.24))
+    alignment = spoken(("iy", 0.2), ("b", 0.08), ("iy", 0.4), ("f", 0.08), ("iy", 0.24))
     least = generator.normal(2, 1, (500, 2))
     openings = np.full((500, 25), 9.0)
     openings[:, 5], openings[:, 17] = least.T
-    found = closures_of((opening, alignment, RATE) for opening in openings)
-    np.testing.assert_allclose([one.threshold for one in found], np.percentile(least, 90, axis=0))
-    assert [one.occurrences for one in found] == [500, 500]
+    found = targets_of((opening, alignment, RATE) for opening in openings)
+    np.testing.assert_allclose([one.threshold for one in found[:2]], np.percentile(least, 90, axis=0))
+    assert [one.occurrences for one in found] == [500, 500, 0]
     rows = [row(f"u{k}", opening, opening, alignment, found) for k, opening in enumerate(openings)]
     assert value(rows, "closure_bilabial") == pytest.approx(0.9, abs=1 / 500)
 
 
+def test_open_vowels_are_counted_too():
+    alignment = spoken(("b", 0.2), ("aa", 0.2), ("ah", 0.2), ("eh", 0.2))
+    opening = np.full(20, 5.0)
+    opening[7] = 8.5  # within "aa"; the reduced vowel counts for nothing
+    opening[12] = 9.0
+    found = row("a", opening, opening + 10, alignment)
+    assert greatest_openings(opening, alignment, RATE).tolist() == [8.5, 5.0]
+    assert value([found], "open_vowels") == 0.5 and recorded_figures(score_table([found]))["open_vowels"] == 1
+    # Thresholds are exceeded by nine of ten.
+    openings = [np.full(20, float(k)) for k in range(101)]
+    assert targets_of((one, alignment, RATE) for one in openings)[2] == Target("open", 10.0, 202)
+
+
 def test_without_occurrences_there_is_no_rate():
-    closures = closures_of([(np.ones(10), spoken(("ah", 0.4)), RATE)])
-    assert [one.occurrences for one in closures] == [0, 0] and all(np.isnan(one.threshold) for one in closures)
+    closures = targets_of([(np.ones(10), spoken(("iy", 0.4)), RATE)])
+    assert [one.occurrences for one in closures] == [0, 0, 0] and all(np.isnan(one.threshold) for one in closures)
     found = row("a", smooth(np.arange(50) / RATE), smooth(np.arange(50) / RATE), spoken(("b", 2.0)), closures)
     assert np.isnan(value([found], "closure_bilabial"))
-    assert np.isnan(recorded_closures(score_table([found]))["bilabial"])
+    assert np.isnan(recorded_figures(score_table([found]))["closure_bilabial"])
 
 
 def test_opening_over_all_frames_agrees_with_numpy():
     generator = np.random.default_rng(2)
     pairs = [(generator.normal(5, 2, n), generator.normal(4, 3, n)) for n in (40, 75, 51)]
-    rows = [row(f"u{k}", x, y, spoken(("ah", 3.0))) for k, (x, y) in enumerate(pairs)]
+    rows = [row(f"u{k}", x, y, spoken(("iy", 3.0))) for k, (x, y) in enumerate(pairs)]
     x, y = (np.concatenate(parts) for parts in zip(*pairs, strict=True))
     assert value(rows, "opening_corr") == pytest.approx(np.corrcoef(x, y)[0, 1], rel=1e-9)
     assert value(rows, "opening_sd") == pytest.approx(x.std() / y.std(), rel=1e-9)
@@ -116,10 +142,10 @@ def test_opening_over_all_frames_agrees_with_numpy():
 @pytest.mark.parametrize("constant", [0.0, 0.1, 6.0])
 def test_a_constant_opening_has_no_correlation_and_no_lag(constant):
     true = smooth(np.arange(50) / RATE)
-    rows = [row("a", np.full(50, constant), true, spoken(("ah", 2.0)))]
+    rows = [row("a", np.full(50, constant), true, spoken(("iy", 2.0)))]
     assert np.isnan(value(rows, "opening_corr")) and np.isnan(value(rows, "opening_lag"))
     assert value(rows, "opening_sd") == 0
-    assert np.isnan(value([row("a", true, np.full(50, constant), spoken(("ah", 2.0)))], "opening_sd"))
+    assert np.isnan(value([row("a", true, np.full(50, constant), spoken(("iy", 2.0)))], "opening_sd"))
 
 
 @pytest.mark.parametrize("rate", [25.0, 50.0, 100.0])
@@ -163,7 +189,7 @@ def test_measures_of_several_samples_at_once():
 
 def test_lengths_that_differ_are_refused():
     with pytest.raises(DataError, match="10 frames, the recorded one 9"):
-        articulation(np.ones(10), np.ones(9), spoken(("b", 0.4)), RATE, CLOSURES)
+        articulation(np.ones(10), np.ones(9), spoken(("b", 0.4)), RATE, TARGETS)
 
 
 class Coding:
@@ -178,24 +204,24 @@ class Coding:
 
 def test_openings_come_from_decoded_points():
     faces = np.random.default_rng(6).normal(size=(30, Coding.points.size, 2))
-    found = articulation_of(faces.reshape(30, -1), to_vector(faces), Coding, spoken(("b", 1.2)), RATE, CLOSURES)
+    found = articulation_of(faces.reshape(30, -1), to_vector(faces), Coding, spoken(("b", 1.2)), RATE, TARGETS)
     assert value([{"id": "a", "rate": RATE, "frames": 30} | found], "opening_corr") == pytest.approx(1)
 
     class Markers(Coding):
         points = type("Points", (), {"regions": {"inner_lips": []}})()
 
-    assert articulation_of(None, None, Markers, spoken(("b", 1.2)), RATE, CLOSURES) == {}
+    assert articulation_of(None, None, Markers, spoken(("b", 1.2)), RATE, TARGETS) == {}
 
 
 def test_thresholds_are_kept_in_a_table(tmp_path):
     path = tmp_path / "closures.tsv"
-    write_closures(path, CLOSURES)
-    assert read_closures(path) == CLOSURES
-    write_closures(path, (Closure("bilabial", float("nan"), 0), CLOSURES[1]))
-    assert np.isnan(read_closures(path)[0].threshold)
-    write_closures(path, CLOSURES[:1])
-    with pytest.raises(DamagedFile, match="a row for each of bilabial, labiodental"):
-        read_closures(path)
+    write_targets(path, TARGETS)
+    assert read_targets(path) == TARGETS
+    write_targets(path, (Target("bilabial", float("nan"), 0), *TARGETS[1:]))
+    assert np.isnan(read_targets(path)[0].threshold)
+    write_targets(path, TARGETS[:1])
+    with pytest.raises(DamagedFile, match="a row for each of bilabial, labiodental, open"):
+        read_targets(path)
 
 
 def table_of(factor):
@@ -203,7 +229,7 @@ def table_of(factor):
     rows = []
     for k in range(6):
         true = smooth(np.arange(60) / RATE, k)
-        alignment = spoken(("ah", 0.8), ("b", 0.1), ("ah", 1.5))
+        alignment = spoken(("iy", 0.8), ("b", 0.1), ("iy", 1.5))
         rows.append(row(f"u{k}", 5 + factor * (true - 5), true, alignment))
     return score_table(rows)
 
@@ -214,7 +240,7 @@ def test_the_table_has_a_row_for_each_model_and_the_recordings():
         (stack("BFF-128", "BFF", 128), table_of(0.5)),
         ("floor", table_of(1.0)),
     )
-    frame, tables = articulation_tables(found, CLOSURES, (("corpus", "demo"),))
+    frame, tables = articulation_tables(found, TARGETS, (("corpus", "demo"),))
     assert list(frame["row"]) == ["FBB-128", "BFF-128", "floor", RECORDED]
     assert frame["opening_sd"].tolist()[:2] == ["0.800", "0.500"] and frame["opening_lag"][0] == "0.0"
     assert frame["opening_sd"][3] == "" and frame["closure_labiodental"].tolist() == [""] * 4
@@ -224,7 +250,7 @@ def test_the_table_has_a_row_for_each_model_and_the_recordings():
     best = table.rows[0].cells[list(ARTICULATION).index("opening_sd")]
     assert best.best and best.small == "[0.800, 0.800]"
     assert "2.00 px (p, b, m; 9 training occurrences)" in " ".join(table.notes)
-    assert dict(table.facts)["test occurrences"] == "6 of p, b, m, 0 of f, v"
+    assert dict(table.facts)["test occurrences"] == "6 of p, b, m, 0 of f, v, 0 of aa, ae, aw, ay, eh"
     assert all("0.800" in text for text in all_forms(frame, tables, "Articulation"))
 
 
@@ -235,7 +261,7 @@ def corpus_figure_of(table):
 
 def test_a_coding_without_inner_lips_has_empty_cells():
     table = pandas.DataFrame({"id": ["a", "b"], "rate": RATE, "frames": [3, 4]})
-    closures = closures_of([])
+    closures = targets_of([])
     frame, (shown,) = articulation_tables(measured((BASELINES["floor"], table)), closures, ())
     assert set(frame.drop(columns="row").to_numpy().ravel()) == {""}
     assert "no inner lips" in " ".join(shown.notes) and "test occurrences" not in dict(shown.facts)

@@ -1,7 +1,7 @@
-"""The opening of the lips that counts as closed, by the recorded training utterances."""
+"""The openings of the lips that count as closed and as open, by the recorded training utterances."""
 
 from visualspeech.corpora.table import of_split, read_utterances
-from visualspeech.evaluation.articulation import closures_of, write_closures
+from visualspeech.evaluation.articulation import targets_of, write_targets
 from visualspeech.face.coding import load_coding
 from visualspeech.face.lips import has_inner_lips, lip_opening
 from visualspeech.face.point_sets import to_points
@@ -18,4 +18,4 @@ with job(snakemake.log[0]), ArrayCollection(source.targets) as targets:
         (lip_opening(to_points(targets.array(name, "points")), points), alignment, targets.rate(name))
         for name, alignment in aligned.items()
     )
-    write_closures(snakemake.output[0], closures_of(recorded))
+    write_targets(snakemake.output[0], targets_of(recorded))
