@@ -9,9 +9,9 @@ centred trajectories: prediction and truth of each utterance less their own mean
 1. RMSE(appearance) and CORR (Eq. 18 and 19) of each network on the validation and the test utterances;
 2. for the networks that read sound: the same of the test utterances at other levels, through filters, and in noise;
 3. for the test utterances and for the synthetic voice reading their sentences: how far the trajectories of SOUND are
-   from those of LABELS, which reads the true phones and times; how well the openings of the mouth agree; and the share
-   of p, b and m in which the lips close, that is, in which the least opening is below the 90th percentile of the
-   recorded speaker's (:mod:`visualspeech.evaluation.articulation`); the same of f and v;
+   from those of LABELS, which reads the true phones and times; how well the openings of the lips agree; and the share
+   of p, b and m, of f and v in which the lips close, and of open vowels in which they open, as measured by the recorded
+   speaker (:mod:`visualspeech.evaluation.articulation`);
 4. for the test utterances: how well pauses by the level (:mod:`visualspeech.speech.segmentation`) agree with those of
    the forced alignment.
 """
@@ -24,7 +24,7 @@ import numpy as np
 from benchmarks.articulation import coding_of
 from benchmarks.command import run_main
 from benchmarks.runs import CorpusRun, SystemRun, shards
-from visualspeech.evaluation.articulation import CLOSURES, Closure, closures_of, least_openings
+from visualspeech.evaluation.articulation import TARGETS, Target, openings_of, targets_of
 from visualspeech.evaluation.scoring import frame_correlation, frame_rmse
 from visualspeech.face.lips import lip_opening
 from visualspeech.face.point_sets import to_points
@@ -133,12 +133,12 @@ def _compare(run: SystemRun, coding, labels: Model, sound: Model, targets, audio
         (_tracked(coding, targets, name), run.corpus.alignments[name], targets.rate(name))
         for name in run.corpus.ids("train")
     ]
-    closures = closures_of(training)
+    lips = targets_of(training)
     shares, phones = state_shares(alignment for _, alignment, _ in training), phones_of(labels)
     texts = [one.transcript for one in run.corpus.of_split("test")]
     spoken = [source for text in texts for source in _voiced(text, shares, phones, labels.rate)]
     tracked = [_tracked(coding, targets, name) for name in run.corpus.ids("test")]
-    print(f"recordings, tracked: {_closed([source for source, _ in recorded], tracked, closures)}")
+    print(f"recordings, tracked: {_closed([source for source, _ in recorded], tracked, lips)}")
     for title, sources in (("recordings", [source for source, _ in recorded]), ("synthetic voice", spoken)):
         pairs = [(predict_source(labels, one), predict_source(sound, one)) for one in sources]
         error, corr = _agreement(pairs)
@@ -152,7 +152,7 @@ def _compare(run: SystemRun, coding, labels: Model, sound: Model, targets, audio
             f"correlation {lip:.2f}, ratio of deviations {spread:.2f}"
         )
         for name, openings in (("labels", read), ("sound", heard)):
-            print(f"{title}, {name}: {_closed(sources, openings, closures)}", flush=True)
+            print(f"{title}, {name}: {_closed(sources, openings, lips)}", flush=True)
 
 
 def _pauses(sources: Sequence[Source]) -> str:
@@ -183,17 +183,17 @@ def _voiced(text: str, shares: Mapping, phones: Sequence[str], rate: float) -> I
         yield Source(frames, rate, alignment, Sound.of(one.samples, one.rate))
 
 
-def _closed(sources: Sequence[Source], openings: Sequence[np.ndarray], closures: Sequence[Closure]) -> str:
-    """Share of the occurrences of each class of phones in which the lips close."""
+def _closed(sources: Sequence[Source], openings: Sequence[np.ndarray], lips: Sequence[Target]) -> str:
+    """Share of the occurrences of each class of phones in which the lips close, or open."""
     found = []
-    for one in closures:
-        least = [
-            value
-            for source, opening in zip(sources, openings, strict=True)
-            for value in least_openings(opening, source.alignment, source.rate, one.name)
+    for one in lips:
+        pairs = zip(sources, openings, strict=True)
+        reached = [
+            one.reached(openings_of(opening, source.alignment, source.rate, one.name)) for source, opening in pairs
         ]
-        found.append(f"{np.mean(np.array(least) <= one.threshold):.2f} of {len(least)} {CLOSURES[one.name]} closed")
-    return ", ".join(found)
+        every = np.concatenate(reached)
+        found.append(f"{TARGETS[one.name]} {every.mean():.2f} ({len(every)})")
+    return "lips reach their target: " + ", ".join(found)
 
 
 if __name__ == "__main__":
