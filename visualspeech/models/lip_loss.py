@@ -10,6 +10,9 @@ from visualspeech.models.batches import Scaling
 from visualspeech.models.lips import Lips
 from visualspeech.models.training_settings import TrainingSettings
 
+#: Objectives in whose units the loss is.
+ADDED_TO = ("sse", "sse_centred")
+
 
 @dataclass(frozen=True)
 class LipLoss:
@@ -41,7 +44,8 @@ class LipLoss:
 
         Of networks whose outputs are parameters and their deltas, the parameters come first.
         """
-        if lips is None or not (settings.closure_weight or settings.open_weight):
+        asked = settings.closure_weight or settings.open_weight
+        if lips is None or not asked or settings.objective not in ADDED_TO:
             return None
         weights = np.zeros(len(scaling.mean))
         weights[: len(lips.weights)] = lips.weights

@@ -5,7 +5,7 @@ from dataclasses import dataclass, fields
 from typing import ClassVar
 
 from visualspeech.errors import SettingError
-from visualspeech.fields import MAX_SEED, Settings, setting, setting_error
+from visualspeech.fields import MAX_SEED, Settings, setting
 
 #: Objectives of :mod:`visualspeech.models.objectives`, and batchers of :mod:`visualspeech.models.batches`.
 OBJECTIVES = ("sse", "sse_centred", "mse", "ccc")
@@ -130,13 +130,6 @@ class TrainingSettings(Settings):
         below=1,
     )
     seed: int = setting(1, "Seed of initial weights, order and dropout.", minimum=0, maximum=MAX_SEED)
-
-    def __post_init__(self) -> None:
-        super().__post_init__()
-        for name in ("closure_weight", "open_weight"):
-            if getattr(self, name) and self.objective not in ("sse", "sse_centred"):
-                rule = "0, or `objective` must be sse or sse_centred, to which it is added"
-                raise setting_error(type(self), name, getattr(self, name), rule)
 
 
 def training_fields() -> list[str]:
