@@ -4,8 +4,8 @@ Run: python -m benchmarks.hmm RESULTS SYSTEM MODEL [KEY=VALUE[,KEY=VALUE...] ...
 
 RESULTS is the folder of a corpus (results/grid), SYSTEM a system that was run on it, MODEL one of its HMMs
 (hmm_monophone, hmm_tied or hmm_mge): each set of changes to its settings is trained from the start up to its variant.
-Prints for each set and each variant: RMSE(appearance) and CORR (Eq. 18 and 19), number of Gaussians, generation error
-on training and validation utterances, and seconds.
+Prints for each set and each variant: centred RMSE(appearance) and CORR (Eq. 18 and 19), number of Gaussians, generation
+error on training and validation utterances, and seconds.
 """
 
 import json
@@ -60,7 +60,7 @@ def _later(setting: str, variant: str) -> bool:
 
 
 def _figures(model: HmmModel, training, validation) -> str:
-    rmse, corr = rmse_and_corr(model, validation)
+    rmse, corr = rmse_and_corr(model, validation, centred=True)
     errors = [generation_error(model.hmm, Tracks(part, model.blocks)) for part in (training, validation)]
     return (
         f"RMSE(appearance) {rmse:.3f}, CORR {corr:.4f}, {model.hmm.tying.gaussians} Gaussians, "

@@ -221,12 +221,19 @@ def fit_hmm(
     return fitted.model
 
 
-def rmse_and_corr(model: Model, examples: Sequence[Example]) -> tuple[float, float]:
-    """RMSE and CORR (Eq. 18 and 19) of the appearance that a model predicts of utterances."""
+def rmse_and_corr(model: Model, examples: Sequence[Example], centred: bool = False) -> tuple[float, float]:
+    """RMSE and CORR (Eq. 18 and 19) of the appearance that a model predicts of utterances.
+
+    Parameters
+    ----------
+    centred : take prediction and truth less their own means over the utterance
+    """
     errors, correlations = [], []
     for number in range(len(examples)):
         streams, true, rate = examples[number]
         predicted = model.predict(streams, len(true), rate)
+        if centred:
+            predicted, true = predicted - predicted.mean(axis=0), true - true.mean(axis=0)
         errors.append(frame_rmse(predicted, true))
         correlations.append(np.nan_to_num(frame_correlation(predicted, true)))
     return float(np.concatenate(errors).mean()), float(np.concatenate(correlations).mean())

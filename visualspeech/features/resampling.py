@@ -71,6 +71,26 @@ def back_from_times(errors: np.ndarray, frames: int, rate: float, times: np.ndar
     return result
 
 
+def back_from_means(errors: np.ndarray, frames: int, rate: float, rate_out: float) -> np.ndarray:
+    """The transpose of :func:`resample` to another rate: the derivative (frames, N) by the stream.
+
+    Parameters
+    ----------
+    errors : (T, N) by the resampled stream
+    frames, rate : length and rate in Hz of the stream that was resampled
+    rate_out : rate of the resampled stream in Hz
+    """
+    if rate_out >= rate:
+        return back_from_times(errors, frames, rate, frame_times(len(errors), rate_out))
+    edges, knots = np.arange(len(errors) + 1) / rate_out, frame_times(frames, rate)
+    cuts = np.unique(np.r_[edges, knots[knots < edges[-1]]])
+    # Between cuts the stream is a line: the mean over a frame is a sum of trapezia, each half of either end.
+    frame = np.searchsorted(edges, cuts[:-1], side="right") - 1
+    halves = errors[frame] * (np.diff(cuts) * rate_out / 2)[:, None]
+    at_cuts = np.pad(halves, ((0, 1), (0, 0))) + np.pad(halves, ((1, 0), (0, 0)))
+    return back_from_times(at_cuts, frames, rate, cuts)
+
+
 def _taps(frames: int, rate: float, times: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """The frames before and after each time, and the share (M, 1) of the later one."""
     place = np.clip(times * rate - 0.5, 0, frames - 1)

@@ -66,12 +66,9 @@ def fit_network(
 
 
 def _generating(network: Network, task: Task, settings: TrajectorySettings, factors) -> Network:
-    """The network with the trajectory of its outputs, whose variances are those of its errors on validation utterances.
-
-    On training utterances the errors are smaller, the more so the longer training goes on.
-    """
+    """The network with the trajectory of its outputs; its variances are those of its errors on training utterances."""
     each = spread(factors, len(network.scaling.mean))
     scaled = replace(network, scaling=Scaling(network.scaling.mean / each, network.scaling.scale / each))
-    true = Observed(task.validation, settings.delta_step, factors=1 + 0 * factors)
+    true = Observed(task.training, settings.delta_step, factors=1 + 0 * factors)
     errors = [scaled.observed(one.streams) - one.target for one in true]
     return replace(scaled, mlpg=Mlpg(error_variance(errors), settings.delta_step))

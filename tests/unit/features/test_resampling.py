@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 from visualspeech.errors import DataError
-from visualspeech.features.resampling import at_times, back_from_times, resample
+from visualspeech.features.resampling import at_times, back_from_means, back_from_times, resample
 from visualspeech.timing import frame_times
 
 
@@ -85,3 +85,13 @@ def test_reading_at_times_and_its_transpose(frames):
     errors = generator.normal(size=read.shape)
     back = back_from_times(errors, frames, 100.0, times)
     assert back.shape == values.shape and np.isclose((errors * read).sum(), (back * values).sum())
+
+
+@pytest.mark.parametrize(
+    ("rate_in", "rate_out", "frames"), [(100.0, 25.0, 17), (100.0, 29.97, 9), (75.0, 25.0, 1), (20.0, 25.0, 17)]
+)
+def test_the_transpose_of_resampling_against_its_columns(rate_in, rate_out, frames):
+    length = int(frames / rate_out * rate_in)
+    columns = resample(np.eye(length), rate_in, rate_out, frames)
+    errors = np.random.default_rng(5).normal(size=(frames, 3))
+    assert np.allclose(back_from_means(errors, length, rate_in, rate_out), columns.T @ errors)

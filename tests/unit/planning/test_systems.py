@@ -104,7 +104,7 @@ def test_the_model_for_recordings_is_an_entry_or_a_row():
     assert settings["systems"]["fan2015"]["sound_model"] == ""
     for name, said in {
         "hmm_mge": "hmm_mge reads track",
-        "text_and_sound": "reads tri, mel",
+        "text_and_sound": "reads tri_shares, mel",
         "x": "is no entry of",
     }.items():
         with pytest.raises(SettingError, match=f"sound_model: {name}.*{said}"):
@@ -200,7 +200,7 @@ MISTAKES = [
     (changed(blocks={"tri": {"phones": 3}}), "unknown setting `systems.fan2015.blocks.tri.phones`. Known here: fra"),
     (changed(blocks={"parts": {"parts": ["tone"]}}), "`systems.fan2015.blocks.parts.parts.0: tone` must be one of pos"),
     (changed(blocks={"parts": None}, models={"nets": {"reads": ["parts"]}}),
-     "`systems.fan2015.models.nets.reads.0: parts` must be one of tri, track"),
+     "`systems.fan2015.models.nets.reads.0: parts` must be one of tri, tri_shares"),
     (models(nets={"reads": "tri"}), r"`systems.fan2015.models.nets.reads: tri` must be a list; write \[tri\]"),
     (models(nets={"seeds": []}), r"`systems.fan2015.models.nets.seeds: \[\]` must have at least 1 entry"),
     (models(nets={"suffix": "a/b"}), "`systems.fan2015.models.nets.suffix: a/b` must be of this form"),

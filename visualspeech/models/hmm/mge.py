@@ -11,11 +11,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from visualspeech.errors import DataError
-from visualspeech.features.resampling import back_from_times
 from visualspeech.jobs import log
 from visualspeech.models.hmm.model import Hmm
 from visualspeech.models.hmm.segments import Example
-from visualspeech.timing import frame_times
 
 #: Decay rates of Adam's first and second moment, and its epsilon (Kingma and Ba 2015).
 _DECAYS, _EPSILON = (0.9, 0.999), 1e-8
@@ -105,8 +103,8 @@ def _adam(moments: np.ndarray, direction: np.ndarray, updates: int) -> tuple[np.
 def generation_error(hmm: Hmm, examples: Sequence[Example]) -> float:
     """Half the squared difference of generated and recorded frames, per frame of the recording.
 
-    The trajectory is read at the centres of the recorded frames, as a prediction is. The mean difference of an
-    utterance has the weight ``mge_offset_weight``.
+    Generated frames are read as those of a prediction are. The mean difference of an utterance has the weight
+    ``mge_offset_weight``.
     """
     total, frames = 0.0, 0
     for number in range(len(examples)):
@@ -121,9 +119,8 @@ def generation_error(hmm: Hmm, examples: Sequence[Example]) -> float:
 def gradient(hmm: Hmm, examples: Sequence[Example]) -> Gradient:
     """Generation error of utterances and its derivatives.
 
-    With the generated stream c, its reading A c at the centres of the recorded frames, the derivative e of the error by
-    that reading and b = W R^-1 A' e, the derivatives by the mean m and the precision u of an observation are u b and
-    b (m - W c).
+    With the generated stream c, its frames A c, the derivative e of the error by these and b = W R^-1 A' e, the
+    derivatives by the mean m and the precision u of an observation are u b and b (m - W c).
     """
     slopes = np.zeros((2, *hmm.gaussians.mean.shape))
     total, frames = 0.0, 0
@@ -133,7 +130,7 @@ def gradient(hmm: Hmm, examples: Sequence[Example]) -> Gradient:
         error = hmm.read(generated.values, len(values), rate) - values
         slope = _weighted(error, hmm.settings.mge_offset_weight)
         total, frames = total + 0.5 * (error * slope).sum(), frames + len(values)
-        back = generated.back(back_from_times(slope, len(states), hmm.settings.rate, frame_times(len(values), rate)))
+        back = generated.back(hmm.back(slope, len(states), rate))
         off = hmm.gaussians.mean[states] - generated.observations()
         # Consecutive frames in one state are summed before they are added to it.
         starts = np.flatnonzero(np.r_[True, states[1:] != states[:-1]])

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from visualspeech.errors import DamagedFile, DataError
-from visualspeech.features.resampling import at_times
+from visualspeech.features.resampling import at_times, back_from_means, back_from_times, resample
 from visualspeech.fields import MAX_SEED, Settings, restored, setting
 from visualspeech.models.hmm.chains import timed_states
 from visualspeech.models.hmm.segments import PhoneTrack, layout_text
@@ -37,6 +37,11 @@ class HmmSettings(Settings):
     rate: float = setting(100.0, "Frame rate of the HMMs in Hz; streams are resampled to it.", minimum=1, maximum=1000)
     delta_step: float = setting(
         0.04, "Time between the taps of the delta windows, in seconds.", minimum=0.0001, maximum=1
+    )
+    reading: str = setting(
+        "mean",
+        "How a generated trajectory becomes frames: its mean over each frame, or its value at the frame's centre.",
+        choices=("mean", "centre"),
     )
     monophone_iterations: int = setting(2, "Baum-Welch iterations of the monophone HMMs.", minimum=0, maximum=1000)
     untied_iterations: int = setting(
@@ -168,11 +173,16 @@ class Hmm:
         return self.states_of(*track.runs(inner, self.settings.rate))
 
     def read(self, values: np.ndarray, frames: int, rate: float) -> np.ndarray:
-        """A generated stream (T, N) at the centres of ``frames`` frames at ``rate`` Hz: (frames, N).
-
-        A trajectory is smooth, so that nothing folds back; means over the frames would only flatten it.
-        """
+        """The ``frames`` frames at ``rate`` Hz that a generated stream (T, N) gives: (frames, N)."""
+        if self.settings.reading == "mean":
+            return resample(values, self.settings.rate, rate, frames)
         return at_times(values, self.settings.rate, frame_times(frames, rate))
+
+    def back(self, errors: np.ndarray, length: int, rate: float) -> np.ndarray:
+        """The transpose of :meth:`read`: derivatives (length, N) by the stream, from those by its frames."""
+        if self.settings.reading == "mean":
+            return back_from_means(errors, length, self.settings.rate, rate)
+        return back_from_times(errors, length, self.settings.rate, frame_times(len(errors), rate))
 
     def history_table(self):
         """History of the training as a data frame: stage, round, figure, value."""

@@ -26,10 +26,10 @@ def figures(hmm, figure):
     return [value for stage, _, name, value in hmm.about["history"] if (stage, name) == ("mge", figure)]
 
 
-@pytest.mark.parametrize("offset_weight", [1.0, 0.0, 0.2])
+@pytest.mark.parametrize(("offset_weight", "reading"), [(1.0, "mean"), (0.0, "centre"), (0.2, "mean")])
 @pytest.mark.parametrize("part", ["mean", "log_precision"])
-def test_gradient_against_finite_differences(tied, part, offset_weight):
-    tied = replace(tied, settings=replace(SETTINGS, mge_offset_weight=offset_weight))
+def test_gradient_against_finite_differences(tied, part, offset_weight, reading):
+    tied = replace(tied, settings=replace(SETTINGS, mge_offset_weight=offset_weight, reading=reading))
     examples = TRAINING[:2]
     slope = getattr(gradient(tied, examples), part)
     generator = np.random.default_rng(0)

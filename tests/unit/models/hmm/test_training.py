@@ -145,19 +145,22 @@ def test_prediction_at_any_rate_and_length(tied):
 @pytest.mark.parametrize(("rate", "loss"), [(50.0, 0.25), (75.0, 0.0), (100.0, 0.125), (125.0, 0.0), (25.0, 0.0)])
 def test_reading_keeps_what_the_frames_hold(tied, rate, loss):
     """From 25 Hz to the rate of the HMMs and back: each frame lends a share ``loss`` to its neighbours."""
-    hmm = replace(tied, settings=replace(SMALL, rate=rate))
+    hmm = replace(tied, settings=replace(SMALL, rate=rate, reading="centre"))
     values = np.random.default_rng(3).normal(size=(40, 2))
     read = hmm.read(resample(values, 25.0, rate), 40, 25.0)
     padded = np.pad(values, ((1, 1), (0, 0)), mode="edge")
     assert np.allclose(read, (1 - loss) * values + loss / 2 * (padded[:-2] + padded[2:]))
 
 
-def test_predictions_are_the_trajectory_at_the_centres_of_frames(tied):
-    track, seen, rate = TEST[0]
-    states = tied.states_of(*track.runs(2 * len(seen), 2 * rate))
-    values = tied.trajectory(states).values
-    centre = (values[::2] + values[1::2]) / 2  # two frames at 50 Hz lie evenly about the centre of one at 25 Hz
-    assert np.allclose(tied.predict(track, len(seen), rate), centre, rtol=1e-5, atol=1e-5)
+@pytest.mark.parametrize("reading", ["mean", "centre"])
+def test_predictions_are_the_frames_of_the_trajectory(tied, reading):
+    hmm, (track, seen, rate) = replace(tied, settings=replace(SMALL, reading=reading)), TEST[0]
+    values = hmm.trajectory(hmm.states_of(*track.runs(2 * len(seen), 2 * rate))).values
+    fine = (np.arange(len(seen) * 1000) + 0.5) / (1000 * rate)
+    line = np.stack([np.interp(fine, (np.arange(len(values)) + 0.5) / (2 * rate), one) for one in values.T], axis=1)
+    # Two frames at 50 Hz lie evenly about the centre of one at 25 Hz.
+    expected = {"mean": line.reshape(-1, 1000, 2).mean(axis=1), "centre": (values[::2] + values[1::2]) / 2}[reading]
+    assert np.allclose(hmm.predict(track, len(seen), rate), expected, rtol=1e-4, atol=1e-4)
 
 
 def test_a_stream_at_the_rate_of_the_hmms():

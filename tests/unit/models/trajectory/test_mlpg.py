@@ -83,15 +83,14 @@ def fitted():
 def test_a_network_is_trained_on_all_three_streams_and_predicts_one(fitted):
     model, test = fitted.model, utterances(6, 9)
     assert model.outputs == 4 and len(model.scaling.mean) == 12
-    validation = utterances(4, 5)
-    expected = np.concatenate([model.observed(one.streams) - observations(one.target, 2) for one in validation])
+    training = utterances(12)
+    expected = np.concatenate([model.observed(one.streams) - observations(one.target, 2) for one in training])
     np.testing.assert_allclose(model.mlpg.variance, np.square(expected, dtype=np.float64).mean(axis=0), rtol=1e-4)
     for one in test:
         found = model.predict(one.streams)
         assert found.dtype == np.float32 and found.shape == one.target.shape
         np.testing.assert_allclose(found, dense(model.observed(one.streams), model.mlpg.variance, 2), atol=1e-3)
     # All three streams are learned: what is left of each is less than half of its variance.
-    training = utterances(12)
     seen = np.concatenate([observations(one.target, 2) for one in training])
     errors = np.concatenate([model.observed(one.streams) for one in training]) - seen
     left = np.square(errors).mean(axis=0).reshape(3, 4).sum(axis=1) / seen.var(axis=0).reshape(3, 4).sum(axis=1)
