@@ -276,7 +276,7 @@ def test_a_corpus_file_may_be_an_overlay(tmp_path):
 
 
 #: The networks that read sound are left out.
-QUIET = {"sound": None, "text_and_sound": None, "nets_thirds": None}
+QUIET = {"sound": None, "text_and_sound": None, "nets_thirds": None, "articulate": None}
 
 
 def rows(system="fan2015", **changes):

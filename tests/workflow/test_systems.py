@@ -22,6 +22,7 @@ SECOND = {
     "models": {
         "nets": {"letters": ["F"], "nodes": [8]},
         "nets_thirds": None,
+        "articulate": None,
         "convolutions": {"like": "nets", "letters": ["CF"], "trajectory": "mlpg", "suffix": "mlpg"},
         "mix": {"family": "ensemble", "members": ["nets", "convolutions", "hmm_monophone"]},
         "articulated": {"family": "gv_compensation", "from": "mix"},

@@ -80,14 +80,14 @@ def test_rows_of_the_default_run():
     settings = resolved()
     assert rows(settings) == [
         *(f"{letters}-{nodes}" for letters in ("FFF", "BFF", "BBB", "FBB") for nodes in (64, 128)),
-        "FBB-128-mel", "FBB-128-tri-mel",
+        "FBB-128-lips", "FBB-128-mel", "FBB-128-tri-mel",
         "hmm_monophone", "hmm_tied", "hmm_mge",
         "FBB-128-thirds", "hmm_monophone_states", "hmm_tied_states", "hmm_mge_states",
     ]  # fmt: skip
     assert rows(settings, role="baseline") == ["phone_state_mean", "triphone_state_mean", "training_mean"]
     assert len(rows(resolved(CONFIG / "paper.yaml"))) == 42 + 2 + 3 + 4
     fan = settings["systems"]["fan2015"]
-    assert fan["videos"]["model"] == "FBB-128" and fan["preference"]["models"] == ["FBB-128", "hmm_mge"]
+    assert fan["videos"]["model"] == "FBB-128-lips" and fan["preference"]["models"] == ["FBB-128-lips", "hmm_mge"]
     assert fan["tables"]["topologies"] == rows(settings)[:8] and fan["seeds"] == [1]
 
 

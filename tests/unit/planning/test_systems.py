@@ -87,7 +87,7 @@ def test_a_system_in_one_mapping():
 
 def test_a_system_of_baselines_shows_one():
     names = ("monophone", "tied", "mge")
-    nets = ["nets", "nets_thirds", "sound", "text_and_sound"]
+    nets = ["nets", "nets_thirds", "sound", "text_and_sound", "articulate"]
     models = dict.fromkeys([*nets, *(f"hmm_{one}{end}" for one in names for end in ("", "_states"))])
     settings = resolved({"systems": [system(models=models, videos={"model": ""})]})
     mine = settings["systems"]["mine"]
