@@ -8,15 +8,17 @@ centred trajectories: prediction and truth of each utterance less their own mean
 
 1. RMSE(appearance) and CORR (Eq. 18 and 19) of each network on the validation and the test utterances;
 2. for the networks that read sound: the same of the test utterances at other levels, through filters, and in noise;
-3. for the test utterances and for the synthetic voice reading their sentences: how far the trajectories of SOUND are
-   from those of LABELS, which reads the true phones and times; how well the openings of the mouth agree; and the share
-   of p, b and m in which the lips close, that is, in which the least opening is below the 90th percentile of the
-   recorded speaker's (:mod:`visualspeech.evaluation.articulation`); the same of f and v;
+3. for the test utterances and for the synthetic voice reading their sentences: how far the trajectories of SOUND, and
+   those of LABELS on recognised phones, are from those of LABELS, which reads the true phones and times; how well the
+   openings of the lips agree, for the recordings also with the tracked ones; and the share
+   of p, b and m, of f and v in which the lips close, and of open vowels in which they open, as measured by the recorded
+   speaker (:mod:`visualspeech.evaluation.articulation`);
 4. for the test utterances: how well pauses by the level (:mod:`visualspeech.speech.segmentation`) agree with those of
    the forced alignment.
 """
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -24,7 +26,7 @@ import numpy as np
 from benchmarks.articulation import coding_of
 from benchmarks.command import run_main
 from benchmarks.runs import CorpusRun, SystemRun, shards
-from visualspeech.evaluation.articulation import CLOSURES, Closure, closures_of, least_openings
+from visualspeech.evaluation.articulation import TARGETS, Target, openings_of, targets_of
 from visualspeech.evaluation.scoring import frame_correlation, frame_rmse
 from visualspeech.face.lips import lip_opening
 from visualspeech.face.point_sets import to_points
@@ -32,9 +34,10 @@ from visualspeech.features.blocks.base import Source
 from visualspeech.models.inventory import needs_of_model, phones_of, predict_source
 from visualspeech.models.task import Model
 from visualspeech.speech.alignment import silent_frames
+from visualspeech.speech.pieces import recognised_pieces
 from visualspeech.speech.segmentation import segmented
 from visualspeech.speech.sound import RATE, Sound, to_int16
-from visualspeech.speech.spoken import speak_text, state_shares
+from visualspeech.speech.spoken import speak_text, state_shares, timed
 from visualspeech.speech.substitutes import in_phones
 from visualspeech.storage.arrays import ArrayCollection
 
@@ -133,26 +136,44 @@ def _compare(run: SystemRun, coding, labels: Model, sound: Model, targets, audio
         (_tracked(coding, targets, name), run.corpus.alignments[name], targets.rate(name))
         for name in run.corpus.ids("train")
     ]
-    closures = closures_of(training)
+    lips = targets_of(training)
     shares, phones = state_shares(alignment for _, alignment, _ in training), phones_of(labels)
     texts = [one.transcript for one in run.corpus.of_split("test")]
     spoken = [source for text in texts for source in _voiced(text, shares, phones, labels.rate)]
     tracked = [_tracked(coding, targets, name) for name in run.corpus.ids("test")]
-    print(f"recordings, tracked: {_closed([source for source, _ in recorded], tracked, closures)}")
-    for title, sources in (("recordings", [source for source, _ in recorded]), ("synthetic voice", spoken)):
-        pairs = [(predict_source(labels, one), predict_source(sound, one)) for one in sources]
-        error, corr = _agreement(pairs)
-        read, heard = (
-            [lip_opening(coding.decode_points(one), coding.points) for one in part] for part in zip(*pairs, strict=True)
-        )
-        lip = np.mean([np.corrcoef(*pair)[0, 1] for pair in zip(read, heard, strict=True)])
-        spread = np.concatenate(heard).std() / np.concatenate(read).std()
-        print(
-            f"{title}, sound against labels: RMSE(appearance) {error:.2f}, CORR {corr:.3f}, opening of the lips: "
-            f"correlation {lip:.2f}, ratio of deviations {spread:.2f}"
-        )
-        for name, openings in (("labels", read), ("sound", heard)):
-            print(f"{title}, {name}: {_closed(sources, openings, closures)}", flush=True)
+    heard = [source for source, _ in recorded]
+    print(f"recordings, tracked: {_closed(heard, tracked, lips)}")
+    for title, sources, wanted in (("recordings", heard, tracked), ("synthetic voice", spoken, None)):
+        read = [predict_source(labels, one) for one in sources]
+        ways = {
+            "labels": read,
+            "sound": [predict_source(sound, one) for one in sources],
+            "recognised phones": [predict_source(labels, _recognised(one, shares, phones)) for one in sources],
+        }
+        openings = {
+            name: [lip_opening(coding.decode_points(one), coding.points) for one in shown]
+            for name, shown in ways.items()
+        }
+        for name, shown in ways.items():
+            error, corr = _agreement(list(zip(shown, read, strict=True)))
+            against = {"labels": openings["labels"], **({"tracked": wanted} if wanted else {})}
+            alike = ", ".join(f"with {other} {_alike(openings[name], true):.2f}" for other, true in against.items())
+            print(
+                f"{title}, {name}: against labels RMSE(appearance) {error:.2f}, CORR {corr:.3f}; correlation of the "
+                f"opening {alike}; {_closed(sources, openings[name], lips)}",
+                flush=True,
+            )
+
+
+def _alike(openings: Sequence[np.ndarray], others: Sequence[np.ndarray]) -> float:
+    """Mean correlation over utterances of openings of the lips."""
+    return float(np.mean([np.corrcoef(one, other)[0, 1] for one, other in zip(openings, others, strict=True)]))
+
+
+def _recognised(source: Source, shares: Mapping, phones: Sequence[str]) -> Source:
+    """The same with phones that are recognised in its sound."""
+    *_, (_, found) = recognised_pieces([source.sound.samples], source.rate)
+    return replace(source, alignment=in_phones(timed(found, (), shares), phones)[0])
 
 
 def _pauses(sources: Sequence[Source]) -> str:
@@ -183,17 +204,17 @@ def _voiced(text: str, shares: Mapping, phones: Sequence[str], rate: float) -> I
         yield Source(frames, rate, alignment, Sound.of(one.samples, one.rate))
 
 
-def _closed(sources: Sequence[Source], openings: Sequence[np.ndarray], closures: Sequence[Closure]) -> str:
-    """Share of the occurrences of each class of phones in which the lips close."""
+def _closed(sources: Sequence[Source], openings: Sequence[np.ndarray], lips: Sequence[Target]) -> str:
+    """Share of the occurrences of each class of phones in which the lips close, or open."""
     found = []
-    for one in closures:
-        least = [
-            value
-            for source, opening in zip(sources, openings, strict=True)
-            for value in least_openings(opening, source.alignment, source.rate, one.name)
+    for one in lips:
+        pairs = zip(sources, openings, strict=True)
+        reached = [
+            one.reached(openings_of(opening, source.alignment, source.rate, one.name)) for source, opening in pairs
         ]
-        found.append(f"{np.mean(np.array(least) <= one.threshold):.2f} of {len(least)} {CLOSURES[one.name]} closed")
-    return ", ".join(found)
+        every = np.concatenate(reached)
+        found.append(f"{TARGETS[one.name]} {every.mean():.2f} ({len(every)})")
+    return "lips reach their target: " + ", ".join(found)
 
 
 if __name__ == "__main__":

@@ -34,6 +34,7 @@ def untold(tiny_run, tmp_path_factory):
         ],
         "systems": ["sound_driven"],
         "shards": 2,
+        "split": {"train": 0.6, "validation": 0.2, "test": 0.2},
         "override": {"codings": small, "systems": {"sound_driven": system}},
     }
     path = folder / "untold.yaml"

@@ -6,13 +6,12 @@ from dataclasses import asdict, replace
 import torch
 
 from visualspeech.errors import SettingError
-from visualspeech.models.batches import Scaling
 from visualspeech.models.network import Network
 from visualspeech.models.task import Fitted, Task, check_examples
 from visualspeech.models.training import train
 from visualspeech.models.training_settings import TrainingSettings
 from visualspeech.models.trajectory.generation import MAX_STEP, step_of
-from visualspeech.models.trajectory.mlpg import Mlpg, Observed, error_variance, spread, stream_factors
+from visualspeech.models.trajectory.mlpg import Mlpg, Observed, error_variance
 from visualspeech.models.trajectory.settings import TrajectorySettings
 from visualspeech.provenance import code_digest
 
@@ -41,16 +40,17 @@ def fit_network(
     """
     check_examples(task.training, task.blocks, "training")
     rate, generated = task.training[0].rate, settings.trajectory == "mlpg"
-    given, factors = task, None
+    given = task
     if generated:
         if step_of(settings.delta_step, rate) > MAX_STEP:
             raise SettingError(
                 f"`models.{task.row.group or task.row.name}.delta_step: {settings.delta_step:g}` must be at most "
                 f"{MAX_STEP / rate:g} at {rate:g} Hz: {MAX_STEP} frames."
             )
-        factors = stream_factors(task.training, settings.delta_step)
-        observed = (Observed(part, settings.delta_step, factors) for part in (task.training, task.validation))
-        given = replace(task, **dict(zip(("training", "validation"), observed, strict=True)))
+        training_examples, validation = (
+            Observed(part, settings.delta_step) for part in (task.training, task.validation)
+        )
+        given = replace(task, training=training_examples, validation=validation)
     trained = train(build, given, training, [asdict(settings), *identity, code_digest(__file__)])
     network = Network(
         family=family,
@@ -62,13 +62,10 @@ def fit_network(
         coding=task.coding,
         about={"training": asdict(training), "epochs": len(trained.curve), "best_epoch": trained.best_epoch},
     )
-    return Fitted(_generating(network, task, settings, factors) if generated else network, trained.curve_table())
+    return Fitted(_generating(network, given.training, settings) if generated else network, trained.curve_table())
 
 
-def _generating(network: Network, task: Task, settings: TrajectorySettings, factors) -> Network:
+def _generating(network: Network, training: Observed, settings: TrajectorySettings) -> Network:
     """The network with the trajectory of its outputs; its variances are those of its errors on training utterances."""
-    each = spread(factors, len(network.scaling.mean))
-    scaled = replace(network, scaling=Scaling(network.scaling.mean / each, network.scaling.scale / each))
-    true = Observed(task.training, settings.delta_step, factors=1 + 0 * factors)
-    errors = [scaled.observed(one.streams) - one.target for one in true]
-    return replace(scaled, mlpg=Mlpg(error_variance(errors), settings.delta_step))
+    errors = [network.observed(one.streams) - one.target for one in training]
+    return replace(network, mlpg=Mlpg(error_variance(errors), settings.delta_step))

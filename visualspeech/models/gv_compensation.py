@@ -6,7 +6,7 @@ utterance is multiplied by (recorded / predicted standard deviation) ^ strength.
 squared error.
 """
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -14,6 +14,7 @@ import numpy as np
 
 from visualspeech.errors import DamagedFile, DataError
 from visualspeech.features.blocks.base import Block
+from visualspeech.features.examples import Example
 from visualspeech.features.streams import Stream
 from visualspeech.fields import restored
 from visualspeech.models.combined_settings import GvCompensationSettings
@@ -78,13 +79,14 @@ class GvCompensation:
 def fit(task: Task) -> Fitted:
     """The compensation of the model that a row is made from.
 
-    Both deviations are taken over the validation utterances: on training utterances a network predicts more variance
-    than it does of new speech, and the factors would be too small.
+    Both deviations are taken over the training utterances, as all that is learned. A model that knows them by heart
+    predicts more variance of them than of new speech, so that its factors are too small; networks that are stopped
+    early and HMMs do not.
 
     Raises
     ------
     DataError
-        There is no model or no validation utterance, or the model reads other input blocks than the row.
+        There is no model or no training utterance, or the model reads other input blocks than the row.
     StorageError
         The file of the model is damaged.
     """
@@ -98,15 +100,18 @@ def fit(task: Task) -> Fitted:
         raise DataError(
             f"the model of `models.{task.row.group}` reads {', '.join(model.blocks)}, not {', '.join(task.blocks)}."
         )
-    check_examples(task.validation, task.blocks, "validation")
-    examples = [task.validation[number] for number in range(len(task.validation))]
-    recorded = within_deviation(one.target for one in examples)
-    predicted = within_deviation(model.predict(one.streams, len(one.target), one.rate) for one in examples)
+    check_examples(task.training, task.blocks, "training")
+    recorded = within_deviation(one.target for one in _each(task.training))
+    predicted = within_deviation(model.predict(one.streams, len(one.target), one.rate) for one in _each(task.training))
     factor = compensation(recorded, predicted, settings.strength).astype(np.float32)
     figures = {"deviation_ratio": np.sqrt(np.square(predicted).sum() / max(np.square(recorded).sum(), 1e-300))}
     figures |= {"mean_factor": factor.mean(), "largest_factor": factor.max()}
     table = pandas.DataFrame({"figure": list(figures), "value": list(figures.values())})
     return Fitted(GvCompensation(member, factor, settings), table)
+
+
+def _each(examples: Sequence[Example]) -> Iterator[Example]:
+    return (examples[number] for number in range(len(examples)))
 
 
 def within_deviation(utterances: Iterable[np.ndarray]) -> np.ndarray:

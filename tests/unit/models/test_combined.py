@@ -125,10 +125,10 @@ def test_blocks_come_in_the_order_in_which_they_are_read_first():
     assert list(blocks_of([One("a", "b"), One("c", "a"), One("d", "b")])) == ["a", "b", "c", "d"]
 
 
-def compensated(paths, strength, validation=VALIDATION):
+def compensated(paths, strength):
     settings = {"strength": strength}
     return gv_compensation.fit(
-        task("gv_compensation", settings, TRAINING, validation, BLOCKS, parents=[paths["lookup"]])
+        task("gv_compensation", settings, TRAINING, VALIDATION, BLOCKS, parents=[paths["lookup"]])
     )
 
 
@@ -145,12 +145,10 @@ def deviations(model, examples):
 @pytest.mark.parametrize("strength", [0.0, 0.5, 1.0])
 def test_excursions_grow_by_a_power_of_what_they_lack(paths, strength):
     parent, model = load_model(paths["lookup"]), compensated(paths, strength).model
-    recorded, before = deviations(parent, VALIDATION)
+    recorded, before = deviations(parent, TRAINING)
     assert (before < 0.95 * recorded).any()
     np.testing.assert_allclose(model.factor, (recorded / before) ** strength, rtol=1e-5)
-    np.testing.assert_allclose(
-        deviations(model, VALIDATION)[1], before ** (1 - strength) * recorded**strength, rtol=1e-5
-    )
+    np.testing.assert_allclose(deviations(model, TRAINING)[1], before ** (1 - strength) * recorded**strength, rtol=1e-5)
     for one in TEST:
         plain, found = (each.predict(one.streams, len(one.target), RATE) for each in (parent, model))
         np.testing.assert_allclose(found.mean(axis=0), plain.mean(axis=0), atol=1e-4)
@@ -160,7 +158,7 @@ def test_excursions_grow_by_a_power_of_what_they_lack(paths, strength):
 def test_the_table_says_how_much_was_missing(paths):
     fitted = compensated(paths, 1.0)
     table = fitted.curve.set_index("figure")["value"]
-    recorded, before = deviations(load_model(paths["lookup"]), VALIDATION)
+    recorded, before = deviations(load_model(paths["lookup"]), TRAINING)
     assert table["deviation_ratio"] == pytest.approx(np.sqrt((before**2).sum() / (recorded**2).sum()))
     assert table["largest_factor"] == pytest.approx(fitted.model.factor.max())
 

@@ -57,11 +57,10 @@ class Observed(Sequence):
     ----------
     examples : with static targets
     delta_step : time between the taps of the windows in seconds
-    factors : (3,) on the static, delta and delta-delta targets
     """
 
-    def __init__(self, examples: Sequence[Example], delta_step: float, factors: np.ndarray) -> None:
-        self._examples, self._delta_step, self._factors = examples, delta_step, factors
+    def __init__(self, examples: Sequence[Example], delta_step: float) -> None:
+        self._examples, self._delta_step = examples, delta_step
 
     def __len__(self) -> int:
         return len(self._examples)
@@ -69,25 +68,4 @@ class Observed(Sequence):
     def __getitem__(self, number: int) -> Example:
         example = self._examples[number]
         seen = observations(example.target, step_of(self._delta_step, example.rate))
-        return example._replace(target=(seen * spread(self._factors, seen.shape[1])).astype(np.float32))
-
-
-def spread(factors: np.ndarray, outputs: int) -> np.ndarray:
-    """Factors of the three streams (3,) as one per output (3N,)."""
-    return np.repeat(factors, outputs // len(WINDOWS))
-
-
-def stream_factors(examples: Sequence[Example], delta_step: float) -> np.ndarray:
-    """Factors (3,) that bring the delta and delta-delta targets to the variance of the static ones.
-
-    The variance is that over all parameters. A squared error over all 3N outputs would otherwise hardly see the deltas,
-    which are much smaller. Within a stream, parameters keep their sizes relative to each other, as with
-    ``scaling: global``.
-    """
-    total, squares, frames = 0.0, 0.0, 0
-    for number in range(len(examples)):
-        seen = Observed(examples, delta_step, np.ones(len(WINDOWS)))[number].target.astype(np.float64)
-        total, squares, frames = total + seen.sum(axis=0), squares + np.square(seen).sum(axis=0), frames + len(seen)
-    variances = (squares / frames - np.square(total / frames)).reshape(len(WINDOWS), -1).sum(axis=1)
-    variances = np.maximum(variances, 0)
-    return np.sqrt(np.divide(variances[0], variances, out=np.ones(len(WINDOWS)), where=variances > 0))
+        return example._replace(target=seen.astype(np.float32))

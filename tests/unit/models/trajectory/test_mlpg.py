@@ -7,12 +7,11 @@ import pytest
 
 from tests.unit.models.examples import BLOCKS, task, utterances
 from visualspeech.errors import SettingError, StorageError
-from visualspeech.features.examples import Example
 from visualspeech.models import stack
 from visualspeech.models.batches import Scaling
 from visualspeech.models.registry import load_model
 from visualspeech.models.trajectory.generation import step_of
-from visualspeech.models.trajectory.mlpg import Mlpg, Observed, error_variance, spread, stream_factors
+from visualspeech.models.trajectory.mlpg import Mlpg, Observed, error_variance
 from visualspeech.models.trajectory.windows import observations, stacked, window_matrix
 from visualspeech.storage.models import read_model, write_model
 
@@ -44,29 +43,13 @@ def test_the_step_is_a_time_and_at_least_a_frame():
     assert step_of(0.0001, 25) == 1
 
 
-@pytest.mark.parametrize("factors", [np.ones(3), np.array([1.0, 3.0, 0.5])])
-def test_targets_of_recorded_utterances_give_them_back(factors):
+def test_targets_of_recorded_utterances_give_them_back():
     example = utterances(1)[0]
-    seen = Observed([example], 0.08, factors)[0]
+    seen = Observed([example], 0.08)[0]
     assert seen.target.dtype == np.float32 and seen.streams is example.streams
-    target = seen.target / spread(factors, 12)
-    np.testing.assert_allclose(target, observations(example.target, 2), rtol=1e-5, atol=1e-5)
+    np.testing.assert_allclose(seen.target, observations(example.target, 2), rtol=1e-5, atol=1e-5)
     variance = np.exp(np.random.default_rng(1).normal(size=12))
-    np.testing.assert_allclose(Mlpg(variance, 0.08).trajectory(target, 25.0), example.target, atol=1e-4)
-
-
-def test_all_streams_have_one_variance():
-    training = utterances(7)
-    factors = stream_factors(training, 0.08)
-    values = np.concatenate([one.target for one in Observed(training, 0.08, factors)])
-    variances = values.astype(np.float64).var(axis=0).reshape(3, 4).sum(axis=1)
-    np.testing.assert_allclose(variances, variances[0], rtol=1e-5)
-    assert factors[0] == 1 and (factors[1:] != 1).all()
-
-
-def test_streams_that_never_vary_keep_their_size():
-    still = [Example((), np.full((9, 2), 3.0, np.float32), 25.0)]
-    np.testing.assert_array_equal(stream_factors(still, 0.04), np.ones(3))
+    np.testing.assert_allclose(Mlpg(variance, 0.08).trajectory(seen.target, 25.0), example.target, atol=1e-4)
 
 
 def test_the_variance_of_errors_is_their_mean_square_and_never_zero():
@@ -75,9 +58,10 @@ def test_the_variance_of_errors_is_their_mean_square_and_never_zero():
     np.testing.assert_array_equal(error_variance([np.zeros((2, 3))]), np.ones(3, np.float32))
 
 
-@pytest.fixture(scope="module")
-def fitted():
-    return stack.fit(task("stack", SETTINGS, utterances(12), utterances(4, 5), options=OPTIONS, coding="abc"))
+@pytest.fixture(scope="module", params=["global", "dimension"])
+def fitted(request):
+    options = {**OPTIONS, "scaling": request.param}
+    return stack.fit(task("stack", SETTINGS, utterances(12), utterances(4, 5), options=options, coding="abc"))
 
 
 def test_a_network_is_trained_on_all_three_streams_and_predicts_one(fitted):
