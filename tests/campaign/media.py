@@ -89,9 +89,10 @@ def process(root: Path, folder: Path) -> Stages:
     write_utterances(files["utterances.tsv"], (vars(one) for one in utterances))
     source = {"utterances": files["utterances.tsv"], "audio": files["audio.h5"]}
     checked = {"findings": found["check"], "digests": str(folder / "digests.tsv"), "audio": files["audio.h5"]}
+    told = {"settings": {}, "text": True}
     jobs = [
-        ("check_recordings", source, checked, {"settings": vars(CheckSettings())}),
-        ("align_speech", source, {"table": files["alignment.tsv"], "findings": found["align"]}, {"settings": {}}),
+        ("check_recordings", source, checked, {"settings": vars(CheckSettings()), "text": True}),
+        ("align_speech", source, {"table": files["alignment.tsv"], "findings": found["align"]}, told),
         (
             "track_landmarks",
             source,

@@ -104,17 +104,17 @@ def selected(changes):
         (nets("reads: tri"), rf"`{NETS}.reads: tri` must be a list; write \[tri\]. Input blocks of the system"),
         (
             nets("reads: [tr]"),
-            rf"`{NETS}.reads.0: tr` must be one of tri, track, .* Did you mean `tri`\? Input block",
+            rf"`{NETS}.reads.0: tr` must be one of tri, tri_shares, .* Did you mean `tri`\? Input block",
         ),
         (
             nets("reads: [tri, 3]"),
-            f"`{NETS}.reads.1: 3` must be one of tri, track, .* Input block of the system.",
+            f"`{NETS}.reads.1: 3` must be one of tri, tri_shares, .* Input block of the system.",
         ),
         (nets("reads: [tri, tri]"), rf"`{NETS}.reads: \[tri, tri\]` names tri more than once"),
         (nets("reads: []"), rf"`{NETS}.reads: \[\]` must have at least 1 entry"),
         (
             models("x: {family: stack}"),
-            "`systems.fan2015.models.x` lacks `reads`. Input blocks .* Known: tri, track, ",
+            "`systems.fan2015.models.x` lacks `reads`. Input blocks .* Known: tri, tri_shares, ",
         ),
         (
             models("hmm_monophone: {reads: [track, tri]}"),
@@ -157,7 +157,7 @@ def selected(changes):
         ),
         (
             models("x: {like: net}"),
-            rf"`{FAN}.models.x.like: net` is no entry of `models`. Did you mean `nets`\? Known: nets, sound, text_a",
+            rf"`{FAN}.models.x.like: net` is no entry of `models`. Did you mean `nets`\? Known: nets, articulate, ",
         ),
         (models("x: {like: 3}"), rf"`{FAN}.models.x.like: 3` must be a text \(put it in quotes\)"),
         (models("x: {like: x}"), f"`{FAN}.models.x.like: x` leads back to x; name another entry."),
@@ -637,7 +637,7 @@ def test_what_is_written_as_told_is_taken():
     assert not any(isinstance(value, float) and math.isnan(value) for value in training.values())
     overlay = system("videos: {model: ''}, models: {nets: {letters: FB, nodes: [16]}, hmm_mge: }")
     rows = resolved(overlay)["systems"]["fan2015"]["rows"]
-    assert [row["name"] for row in rows][:3] == ["FB-16", "FBB-128-mel", "FBB-128-tri-mel"]
+    assert [row["name"] for row in rows][:3] == ["FB-16", "FBB-128-lips", "FBB-128-mel"]
 
 
 def test_a_corpus_file_with_a_root_that_is_no_text(tmp_path):
