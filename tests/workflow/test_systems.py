@@ -23,6 +23,8 @@ SECOND = {
         "nets": {"letters": ["F"], "nodes": [8]},
         "nets_thirds": None,
         "articulate": None,
+        "sound": None,
+        "text_and_sound": None,
         "convolutions": {"like": "nets", "letters": ["CF"], "trajectory": "mlpg", "suffix": "mlpg"},
         "mix": {"family": "ensemble", "members": ["nets", "convolutions", "hmm_monophone"]},
         "articulated": {"family": "gv_compensation", "from": "mix"},
@@ -31,6 +33,7 @@ SECOND = {
     },
     "tables": {"gains": {"references": []}},
     "videos": {"model": "articulated"},
+    "sound_model": "",
 }
 
 
@@ -99,7 +102,7 @@ def test_rows_that_are_made_of_others_are_rows_of_the_tables(two_systems):
                 members.append(one.array(name, "appearance"))
         np.testing.assert_allclose(mean, np.mean(members, axis=0, dtype=np.float64), rtol=1e-4, atol=1e-3)
     model = load_model(corpus / "second/models/articulated/model.safetensors")
-    assert (list(model.blocks), model.rate) == (["tri", "track"], 50.0)
+    assert (list(model.blocks), model.rate) == (["tri_shares", "track"], 50.0)
 
 
 def two_speakers(tiny_run, folder):
