@@ -120,7 +120,7 @@ def main(results: Path, system: str, *models: str) -> None:
             lambda: ((aligned[name], targets.array(name, "appearance"), targets.rate(name)) for name in training)
         )
         tested = recorded(test)
-    closures = targets_of(shown)
+    closures = [one for one in targets_of(shown) if one.name in CLOSURES]
     limits = ", ".join(f"{CLOSURES[one.name]}: {one.threshold:.2f} px" for one in closures)
     print(f"{len(spoken)} sentences; closed up to ({limits})")
     print(f"recorded test utterances: {rates((name, shut) for name, _, _, shut in closed(tested, closures))}")
