@@ -187,4 +187,4 @@ def test_folders_without_tables_and_corpora_without_expected_figures_are_named(t
 def test_the_expected_figures_of_the_repository_can_be_read(corpus):
     expected = import_module("benchmarks.expected").read_expected(FOLDER / "expected" / f"{corpus}.tsv")
     assert expected.split and expected.facts["fan2015", "rate"] == "25 Hz"
-    assert len(expected.figures) == 15 * 6 and min(expected.tolerances.values()) > 0
+    assert len(expected.figures) == 22 * 7 and min(expected.tolerances.values()) > 0
