@@ -128,7 +128,7 @@ def read_run(results: Path) -> Expected:
 
 def tolerance(metric: str, value: str, network: bool) -> float:
     """Largest accepted difference from a figure, in units of the figure; at least one unit of its last digit."""
-    if metric in CORRELATIONS:
+    if metric.removesuffix("_absolute") in CORRELATIONS:
         accepted = ABSOLUTE_NETWORK if network else ABSOLUTE
     else:
         accepted = abs(float(value)) * (RELATIVE_NETWORK if network else RELATIVE)

@@ -23,10 +23,11 @@ import numpy as np
 from benchmarks.command import run_main
 from visualspeech.animation.background import QUALITY, Background
 from visualspeech.animation.bundle import SpeakerBundle
-from visualspeech.animation.performance import REST, pause_weights, perform
+from visualspeech.animation.performance import perform
 from visualspeech.animation.speaking import scene, speak
 from visualspeech.face.landmarks import track
 from visualspeech.media.reading import read_frames
+from visualspeech.models.rest import REST, pause_weights
 from visualspeech.speech.spoken import speak_text
 from visualspeech.timing import frame_times
 

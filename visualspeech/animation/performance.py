@@ -14,17 +14,15 @@ from visualspeech.features.blocks.base import Source
 from visualspeech.jobs import log
 from visualspeech.media.spooling import Spool
 from visualspeech.models.inventory import needs_of_model, phones_of, predict_source
+from visualspeech.models.rest import REST, pause_weights
 from visualspeech.models.task import Model
 from visualspeech.speech.alignment import Alignment
-from visualspeech.speech.phones import SILENCE
 from visualspeech.speech.sound import Sound
 from visualspeech.speech.spoken import Spoken
 from visualspeech.speech.substitutes import in_phones
-from visualspeech.timing import frame_times
 
 MARGIN = 1.0  # seconds of a recording before and after a piece of it that a model which reads sound alone hears too
 FULL_SCALE = 32768  # of 16 bit
-REST = 0.12  # seconds from the border of a pause until the face is fully at rest, as measured on speaker s1 of GRID
 
 
 @dataclass(frozen=True)
@@ -136,21 +134,3 @@ def face_of(
     source = Source(before + frames + after, model.rate, alignment, sound, begin - before / model.rate)
     predicted = predict_source(model, source)[before : before + frames]
     return ((1 - weight) * predicted + weight * rest).astype(np.float32)
-
-
-def pause_weights(alignment: Alignment, frames: int, rate: float, ramp: float) -> np.ndarray:
-    """Weight of the face at rest, (frames,): 0 in speech, rising to 1 within ``ramp`` seconds from a pause's border.
-
-    Before the start and after the end there is silence, so the first and last pause have only one border.
-    """
-    times = frame_times(frames, rate)
-    depth = np.zeros(frames)
-    first, last = min(0.0, alignment.phones[0].start), alignment.phones[-1].end
-    for one in alignment.phones:
-        if one.label == SILENCE:
-            since = np.inf if one.start <= first else times - one.start
-            until = np.inf if one.end >= last else one.end - times
-            inside = (times >= one.start) & ((times < one.end) | (one.end >= last))
-            depth = np.where(inside, np.minimum(since, until) * np.ones(frames), depth)
-    share = np.clip(depth / ramp, 0, 1)
-    return share * share * (3 - 2 * share)

@@ -1,7 +1,7 @@
 """Comparison of the systems of one corpus in the measures that are comparable between them."""
 
 from collections.abc import Collection, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -143,7 +143,7 @@ def systems_tables(
 
 def _with_protocol(metric: Metric) -> str:
     title = f"{metric.title}, absolute" if metric.protocol == ABSOLUTE else metric.title
-    return metric.heading.replace(metric.title, title)
+    return replace(metric, title=title).heading
 
 
 def _best(text, measured) -> set[tuple[str, str, str]]:

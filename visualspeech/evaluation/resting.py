@@ -9,13 +9,12 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 
 import numpy as np
 
-from visualspeech.animation.performance import REST, pause_weights
 from visualspeech.evaluation.layout import Cell, Row, Table, interval, shown
 from visualspeech.evaluation.measured import MeasuredRows
 from visualspeech.evaluation.metrics import Metric
 from visualspeech.evaluation.scoring import centred, frame_rmse
 from visualspeech.evaluation.statistics import BootstrapSettings, Sampled, draws, figure, sample_row
-from visualspeech.models.rest import resting_face
+from visualspeech.models.rest import REST, pause_weights, resting_face
 from visualspeech.speech.alignment import Alignment
 
 #: Frames that are measured: name -> (heading, count of frames).

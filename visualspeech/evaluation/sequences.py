@@ -1,12 +1,14 @@
 """Predicted and recorded lower faces in the form that the measures compare."""
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 
 import numpy as np
 
+from visualspeech.evaluation.articulation import Target, articulation_of
 from visualspeech.evaluation.scoring import FaceSequence, score
 from visualspeech.face.aam.model import Aam
 from visualspeech.face.point_sets import PointSet, to_points
+from visualspeech.speech.alignment import Alignment
 
 
 def predicted_sequence(appearance: np.ndarray, aam: Aam) -> FaceSequence:
@@ -30,16 +32,20 @@ def lip_offset(offset: np.ndarray, points: PointSet) -> np.ndarray:
     return points.region(to_points(offset[None]), "lips")[0]
 
 
-def scores(ids: Iterable[str], predictions, targets, aam: Aam, drift_kept: bool) -> Iterator[dict]:
-    """The statistics of each utterance, see :func:`visualspeech.evaluation.scoring.score`.
+def scores(
+    alignments: Mapping[str, Alignment], predictions, targets, aam: Aam, lips: Sequence[Target], drift_kept: bool
+) -> Iterator[dict]:
+    """The statistics of each utterance: :func:`visualspeech.evaluation.scoring.score`, and those of its articulation.
 
     Parameters
     ----------
+    alignments : by id, of the utterances that are measured
     predictions, targets : opened files: predicted ``appearance``; recorded streams and ``offset``
+    lips : thresholds of the speaker
     drift_kept : whether the visual coding has removed no drift
     """
-    for one in ids:
-        true = targets[one]
-        predicted = predicted_sequence(predictions.array(one, "appearance"), aam)
+    for one, spoken in alignments.items():
+        true, appearance, rate = targets[one], predictions.array(one, "appearance"), targets.rate(one)
         recorded, offset = recorded_sequence(true, aam.points), lip_offset(true["offset"], aam.points)
-        yield score(one, predicted, recorded, targets.rate(one), offset, drift_kept)
+        row = score(one, predicted_sequence(appearance, aam), recorded, rate, offset, drift_kept)
+        yield row | articulation_of(appearance, true["points"], aam, spoken, rate, lips)

@@ -1,4 +1,4 @@
-"""The face at rest: what a speaker's face looks like in silence, as parameters of the visual coding."""
+"""The face at rest: what a speaker's face looks like in silence, as parameters of the visual coding, and when it is."""
 
 from collections.abc import Callable, Iterable, Iterator
 
@@ -9,6 +9,7 @@ from visualspeech.speech.alignment import Alignment
 from visualspeech.speech.phones import SILENCE
 from visualspeech.timing import frame_times
 
+REST = 0.12  # seconds from the border of a pause until the face is fully at rest, as measured on speaker s1 of GRID
 _SHORT_SILENCE = {"after": 0.12, "before": 0.12}  # seconds to speech in recordings without a long silence
 
 
@@ -29,6 +30,24 @@ def resting_frames(
         if phone.label != SILENCE:
             resting &= (times < phone.start - before) | (times > phone.end + after)
     return resting
+
+
+def pause_weights(alignment: Alignment, frames: int, rate: float, ramp: float) -> np.ndarray:
+    """Weight of the face at rest, (frames,): 0 in speech, rising to 1 within ``ramp`` seconds from a pause's border.
+
+    Before the start and after the end there is silence, so the first and last pause have only one border.
+    """
+    times = frame_times(frames, rate)
+    depth = np.zeros(frames)
+    first, last = min(0.0, alignment.phones[0].start), alignment.phones[-1].end
+    for one in alignment.phones:
+        if one.label == SILENCE:
+            since = np.inf if one.start <= first else times - one.start
+            until = np.inf if one.end >= last else one.end - times
+            inside = (times >= one.start) & ((times < one.end) | (one.end >= last))
+            depth = np.where(inside, np.minimum(since, until) * np.ones(frames), depth)
+    share = np.clip(depth / ramp, 0, 1)
+    return share * share * (3 - 2 * share)
 
 
 def resting_face(utterances: Callable[[], Iterable[tuple]]) -> np.ndarray:

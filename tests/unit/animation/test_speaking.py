@@ -8,7 +8,7 @@ import pytest
 from tests.unit.animation import speakers
 from visualspeech.animation import speaking
 from visualspeech.animation.bundle import FILES, SpeakerBundle, check_together
-from visualspeech.animation.performance import REST, pause_weights, perform
+from visualspeech.animation.performance import perform
 from visualspeech.animation.speaking import scene, speak, speaking_frames
 from visualspeech.animation.speaking_settings import SpeakSettings
 from visualspeech.errors import DataError, SettingError, StorageError
@@ -18,6 +18,7 @@ from visualspeech.features.resampling import resample
 from visualspeech.media.reading import probe, read_audio, read_frames
 from visualspeech.media.spooling import Spool
 from visualspeech.models.inventory import phones_of
+from visualspeech.models.rest import REST, pause_weights
 from visualspeech.provenance import file_digest
 from visualspeech.speech.phones import PHONES
 from visualspeech.speech.spoken import Spoken, speak_text, timed

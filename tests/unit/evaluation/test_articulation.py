@@ -5,6 +5,7 @@ import pandas
 import pytest
 
 from tests.unit.evaluation.examples import BASELINES, measured, stack
+from tests.unit.speech.alignments import spoken
 from visualspeech.errors import DamagedFile, DataError
 from visualspeech.evaluation.articulation import (
     ARTICULATION,
@@ -26,20 +27,10 @@ from visualspeech.evaluation.forms import all_forms
 from visualspeech.evaluation.metrics import corpus_figure, statistics_of, total
 from visualspeech.evaluation.scoring import score_table
 from visualspeech.face.point_sets import read_point_set, to_vector
-from visualspeech.speech.alignment import Alignment, Segment
 from visualspeech.speech.closures import closing_frames, greatest_openings, least_openings
 
 TARGETS = (Target("bilabial", 2.0, 9), Target("labiodental", 3.0, 9), Target("open", 8.0, 9))
 RATE = 25.0
-
-
-def spoken(*phones) -> Alignment:
-    """An alignment of (phone, seconds), one after the other."""
-    segments, start = [], 0.0
-    for label, seconds in phones:
-        segments.append(Segment(label, start, start + seconds, 0))
-        start += seconds
-    return Alignment((Segment("word", 0.0, start),), tuple(segments), ())
 
 
 def value(rows, name):

@@ -4,11 +4,11 @@ import numpy as np
 import pytest
 
 from tests.unit.evaluation.examples import measured, stack
-from visualspeech.animation.performance import pause_weights
 from visualspeech.evaluation.forms import all_forms
 from visualspeech.evaluation.resting import COLUMNS, resting_frame, resting_rows, resting_tables, training_rest
 from visualspeech.evaluation.scoring import score_table
 from visualspeech.evaluation.statistics import BootstrapSettings
+from visualspeech.models.rest import pause_weights
 from visualspeech.speech.spoken import timed
 from visualspeech.storage.arrays import ArrayReader, ArrayWriter
 

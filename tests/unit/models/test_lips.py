@@ -7,6 +7,7 @@ import pytest
 import torch
 
 from tests.unit.models.examples import BLOCKS, PHONES, RATE
+from tests.unit.speech.alignments import spoken
 from visualspeech.errors import DataError
 from visualspeech.features.examples import Example
 from visualspeech.features.streams import Stream
@@ -17,17 +18,8 @@ from visualspeech.models.lips import Lips, recorded_lips
 from visualspeech.models.rows import ModelRow
 from visualspeech.models.task import Task
 from visualspeech.models.training_settings import training_settings
-from visualspeech.speech.alignment import Alignment, Segment
 
 WEIGHTS = np.array([1.0, -2.0, 0.5])
-
-
-def spoken(*phones) -> Alignment:
-    segments, start = [], 0.0
-    for label, seconds in phones:
-        segments.append(Segment(label, start, start + seconds, 0))
-        start += seconds
-    return Alignment((Segment("word", 0.0, start),), tuple(segments), ())
 
 
 ALIGNMENT = spoken(("ah", 0.4), ("b", 0.2), ("aa", 0.4))

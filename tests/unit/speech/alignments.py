@@ -22,3 +22,12 @@ def even_alignment(words, step=0.1):
             tiers[1].append(Segment(phone, start, start + step, len(tiers[0])))
         tiers[0].append(Segment(word, begin, len(tiers[1]) * step))
     return Alignment(*map(tuple, tiers))
+
+
+def spoken(*phones) -> Alignment:
+    """An alignment of (phone, seconds), one after the other, in one word and without states."""
+    segments, start = [], 0.0
+    for label, seconds in phones:
+        segments.append(Segment(label, start, start + seconds, 0))
+        start += seconds
+    return Alignment((Segment("word", 0.0, start),), tuple(segments), ())
