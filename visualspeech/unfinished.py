@@ -52,10 +52,13 @@ def rename(source: Path, target: Path) -> None:
 def give_up() -> None:
     """Remove what this process has not finished, just before it ends; from here on it renames nothing."""
     _renaming.acquire()
-    for _ in range(3):  # other threads may add to a folder while it is removed
-        for path in tuple(_unfinished):
+    for _ in range(3):  # other threads may make a folder again before they notice
+        for number, path in enumerate(tuple(_unfinished)):
             with suppress(OSError):
-                remove(path)
+                # Under a name that no other thread knows, nothing is added to a folder while it is removed.
+                hidden = path.with_name(f"{PREFIX}{os.getpid()}.{number}")
+                os.rename(path, hidden)
+                remove(hidden)
         time.sleep(0.01)
 
 
