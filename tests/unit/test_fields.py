@@ -17,6 +17,7 @@ from visualspeech.corpora.check_settings import CheckSettings
 from visualspeech.corpora.demo.recording import DemoSettings
 from visualspeech.errors import SettingError, StorageError
 from visualspeech.evaluation.comparisons import ComparisonSettings
+from visualspeech.evaluation.selection_settings import SelectionSettings
 from visualspeech.evaluation.statistics import BootstrapSettings
 from visualspeech.evaluation.tables import TableSettings
 from visualspeech.face.aam.fitting.model import FittingSettings
@@ -58,7 +59,7 @@ CLASSES = [
     AamSettings, AlignmentSettings, BootstrapSettings, CheckSettings, ComparisonSettings, DemoSettings, DriftSettings,
     EnsembleSettings, FittingSettings, GvCompensationSettings, HmmSettings, LabelPartsSettings, LandmarkSettings,
     LogMelSettings, LookupSettings, PhoneClassesSettings, PhoneTrackSettings, PoseSettings, ReferenceSettings,
-    RenderSettings, ScreeningSettings, SpeakSettings, StackSettings, TableSettings, TrainingSettings,
+    RenderSettings, ScreeningSettings, SelectionSettings, SpeakSettings, StackSettings, TableSettings, TrainingSettings,
     TrajectorySettings, TriphoneStateSettings, VideoSettings, VoiceSettings, WalkSettings,
 ]  # fmt: skip
 HEAVY = {"av", "torch", "cv2", "dlib", "pandas", "scipy", "matplotlib", "h5py", "pocketsphinx", "jsonschema"}

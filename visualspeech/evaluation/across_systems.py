@@ -7,7 +7,17 @@ import numpy as np
 
 from visualspeech.errors import DataError
 from visualspeech.evaluation.facts import TableFacts
-from visualspeech.evaluation.layout import Cell, Row, Table, best_of, definitions_of, interval, shown
+from visualspeech.evaluation.layout import (
+    Cell,
+    Row,
+    Table,
+    best_of,
+    competes,
+    definitions_of,
+    interval,
+    oracle_note,
+    shown,
+)
 from visualspeech.evaluation.measured import MeasuredRows, check_same_utterances
 from visualspeech.evaluation.metrics import ABSOLUTE, METRICS, PROTOCOLS, Metric, is_measured
 from visualspeech.evaluation.statistics import (
@@ -133,6 +143,7 @@ def systems_tables(
     )
     notes = (
         "The best value in each column is bold; floors are left out.",
+        *oracle_note([row for _, pooled in measured for row in pooled.rows]),
         "The truth of each system is the recorded face at its own frame rate and in its own visual coding.",
     )
     if lost:
@@ -148,9 +159,7 @@ def _with_protocol(metric: Metric) -> str:
 
 def _best(text, measured) -> set[tuple[str, str, str]]:
     """Keys of the best cells over all systems."""
-    rows = [
-        (system.facts.system, row.name) for system, pooled in measured for row in pooled.rows if row.role != "floor"
-    ]
+    rows = [(system.facts.system, row.name) for system, pooled in measured for row in pooled.rows if competes(row)]
     return {
         key
         for name, _ in COLUMNS

@@ -3,8 +3,11 @@
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field
 
-#: What a row is in a table: a model that learns, a trivial baseline, or the error that the visual coding alone makes.
-ROLES = ("model", "baseline", "floor")
+#: Role of a model whose input is read off the recorded face of the utterance that it predicts.
+ORACLE = "oracle"
+#: What a row is in a table: a model that learns, one that is told part of the answer, a trivial baseline, or the error
+#: that the visual coding alone makes.
+ROLES = ("model", ORACLE, "baseline", "floor")
 
 
 @dataclass(frozen=True)

@@ -2,6 +2,7 @@
 
 import os
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 
 from visualspeech.errors import SettingError
@@ -10,7 +11,8 @@ from visualspeech.features.blocks.base import block_class, block_kinds, needs_of
 from visualspeech.fields import section_schema, with_defaults
 from visualspeech.models.entries import model_mistakes
 from visualspeech.models.registry import expand
-from visualspeech.models.rows import ModelRow
+from visualspeech.models.rows import ORACLE, ModelRow
+from visualspeech.planning.tables import resolved_tables, rows_of_entries, table_mistakes
 from visualspeech.schema import check, mistakes, unknown
 from visualspeech.settings import merged, read_yaml
 
@@ -224,12 +226,12 @@ def complete_system(system: Mapping, seed: int) -> dict:
     blocks = {name: _block(block, f"{where}.blocks.{name}") for name, block in system["blocks"].items() if block}
     seeds = system["seeds"] or [seed]
     rows = expand(system["models"], blocks, system["training"], seeds, f"{where}.models")
+    rows = [replace(row, role=ORACLE) if row.role == "model" and _is_told(row, blocks) else row for row in rows]
     found = _naming_mistakes(system, rows, where) + _sound_mistakes(system, blocks, rows, where)
     if found:
         raise SettingError("\n".join(found))
     models = [row for row in rows if row.role == "model"]
     shown = system["videos"]["model"] or (models[0].name if models else "training_mean")
-    gains = system["tables"]["gains"]
     return {
         **{key: value for key, value in system.items() if key not in ("models", "training", "seeds")},
         "seeds": seeds,
@@ -240,13 +242,8 @@ def complete_system(system: Mapping, seed: int) -> dict:
         "blocks": blocks,
         "rows": [row.plain() for row in rows],
         "videos": {**system["videos"], "model": shown},
-        "sound_model": next(iter(_of_groups(filter(None, [system["sound_model"]]), rows)), ""),
-        "tables": {
-            **system["tables"],
-            "topologies": _of_groups(system["tables"]["topologies"], rows),
-            "gains": {key: _of_groups(names, rows) for key, names in gains.items()},
-            "ablation": {**system["tables"]["ablation"], "rows": _ablation(system["tables"]["ablation"], rows)},
-        },
+        "sound_model": next(iter(rows_of_entries(filter(None, [system["sound_model"]]), rows)), ""),
+        "tables": resolved_tables(system["tables"], rows),
         "preference": {**system["preference"], "models": _pair(system, shown, rows)},
     }
 
@@ -274,24 +271,20 @@ def _needs_of_row(row: ModelRow, blocks: Mapping) -> set[str]:
     return {need for name in row.reads for need in needs_of(block_class(blocks[name]["kind"]))}
 
 
+def _is_told(row: ModelRow, blocks: Mapping) -> bool:
+    """Whether an input block of a row is read off the recorded face that the row predicts."""
+    return any(blocks[name]["settings"].get("source") == "oracle" for name in row.reads)
+
+
 def _naming_mistakes(system: Mapping, rows: Sequence[ModelRow], where: str) -> list[str]:
     """What is wrong with the names of models in videos, preference and tables."""
     trained = [row.name for row in rows if row.role != "floor"]
     known = list(dict.fromkeys([*system["models"], *(row.name for row in rows)]))
-    pair, tables = system["preference"]["models"], system["tables"]
+    pair = system["preference"]["models"]
     found = []
     if system["published"] and system["published"] not in published_names():
         found.append(unknown(f"{where}.published", system["published"], published_names()))
-    for key, names in {
-        "tables.topologies": tables["topologies"],
-        **{f"tables.gains.{name}": names for name, names in tables["gains"].items()},
-        **{f"tables.ablation.rows.{name}": names or () for name, names in tables["ablation"]["rows"].items()},
-    }.items():
-        found += [
-            unknown(f"{where}.{key}.{number}", name, known, "entry of `models` and no row")
-            for number, name in enumerate(names)
-            if name not in known
-        ]
+    found += table_mistakes(system["tables"], known, f"{where}.tables")
     if system["sound_model"] and system["sound_model"] not in known:
         found.append(unknown(f"{where}.sound_model", system["sound_model"], known, "entry of `models` and no row"))
     shown = system["videos"]["model"]
@@ -302,40 +295,9 @@ def _naming_mistakes(system: Mapping, rows: Sequence[ModelRow], where: str) -> l
         for number, name in enumerate(pair)
         if name not in trained
     ]
-    columns = len(tables["ablation"]["columns"])
-    found += [
-        f"`{where}.tables.ablation.rows.{name}` names {len(names)} models; it must name one for each of the {columns} "
-        "`columns`, of which there must be two at least."
-        for name, names in tables["ablation"]["rows"].items()
-        if names is not None and (len(names) != columns or columns < 2)
-    ]
     if len(pair) == 1:
         found.append(f"`{where}.preference.models: [{pair[0]}]` must name two models, or none to have them chosen.")
     return found
-
-
-def _of_groups(names: Sequence[str], rows: Sequence[ModelRow]) -> list[str]:
-    """Names of the rows that entries of ``models`` ask for; an entry that the system leaves out asks for none."""
-    return [row.name for name in names for row in rows if name in (row.group, row.name)]
-
-
-def _ablation(ablation: Mapping, rows: Sequence[ModelRow]) -> dict[str, list[str]]:
-    """Heading -> cell of the model in each column, of the rows of the ablation table whose models the system has.
-
-    Of entries with several models, those with equal settings are compared; each such row is named after its models.
-    """
-    result = {}
-    for heading, names in ablation["rows"].items():
-        found = [
-            list({row.cell: row for row in rows if name in (row.group, row.name)}.values()) for name in names or ()
-        ]
-        alone = all(len(models) == 1 for models in found)
-        for first in found[0] if found else ():
-            equal = [[row.cell for row in models if alone or row.settings == first.settings] for models in found]
-            if all(len(cells) == 1 for cells in equal):
-                cells = [cell for (cell,) in equal]
-                result[heading if len(found[0]) == 1 else f"{heading}: {' / '.join(cells)}"] = cells
-    return result
 
 
 def _pair(system: Mapping, shown: str, rows: Sequence[ModelRow]) -> list[str]:
@@ -345,7 +307,7 @@ def _pair(system: Mapping, shown: str, rows: Sequence[ModelRow]) -> list[str]:
         return list(names)
     family = next(row.family for row in rows if row.name == shown)
     others = [row.name for row in rows if row.role == "model" and row.family != family]
-    references = _of_groups(system["tables"]["gains"]["references"], rows)
+    references = rows_of_entries(system["tables"]["gains"]["references"], rows)
     others = [name for name in references if name in others] or others
     others = others or [row.name for row in rows if row.role == "baseline"]
     return [shown, next((name for name in reversed(others) if name != shown), "training_mean")]

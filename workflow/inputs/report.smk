@@ -47,7 +47,7 @@ def benchmarks_of(wildcards):
             "<coding>/benchmarks/{stage}/{shard}.tsv", wildcards, coding=coding, stage=sharded, shard=corpus.shards
         )
     for one in systems_of(wildcards):
-        trained = [row.name for row in rows_of(one.system, ("model", "baseline"))]
+        trained = [row.name for row in rows_of(one.system, PREDICTING)]
         paths += filled(
             "<system>/benchmarks/{stage}/{model}.tsv", one, stage=["train_model", "predict_model"], model=trained
         )

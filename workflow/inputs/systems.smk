@@ -4,7 +4,9 @@ from visualspeech.features.blocks.base import block_class, block_module, needs_o
 from visualspeech.models.families import FAMILIES
 from visualspeech.models.lips import WEIGHTS
 from visualspeech.models.registry import code_modules
-from visualspeech.models.rows import ModelRow
+from visualspeech.models.rows import ROLES, ModelRow
+
+PREDICTING = tuple(role for role in ROLES if role != "floor")
 
 
 def system_of(wildcards):
@@ -23,7 +25,7 @@ def of_coding(file):
     return lambda wildcards: filled(f"<coding>/{file}", wildcards, coding=system_of(wildcards)["coding"])[0]
 
 
-def rows_of(system, roles=("model", "baseline", "floor")):
+def rows_of(system, roles=ROLES):
     """The rows of a system's tables, in their order."""
     rows = [ModelRow.of(row) for row in SETTINGS["systems"][system]["rows"]]
     return [row for row in rows if row.role in roles]
@@ -124,5 +126,5 @@ def faces(wildcards):
     return expand(pattern, corpus=wildcards.corpus, coding=name, shard=PLAN.corpora[wildcards.corpus].shards)
 
 
-TRAINED = one_of(row.name for name in SETTINGS["systems"] for row in rows_of(name, ("model", "baseline")))
+TRAINED = one_of(row.name for name in SETTINGS["systems"] for row in rows_of(name, PREDICTING))
 FLOORS = one_of(row.name for name in SETTINGS["systems"] for row in rows_of(name, ("floor",)))

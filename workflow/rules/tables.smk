@@ -201,6 +201,32 @@ rule tabulate_ablation:
         "../scripts/tabulate_ablation.py"
 
 
+rule tabulate_selection:
+    input:
+        utterances=of_coding("utterances.tsv"),
+        coding=of_coding("model.safetensors"),
+        statistics=statistics_of_selection,
+    output:
+        multiext("<system>/tables/{selection}", *FORMS),
+    log:
+        "<system>/logs/tabulate_selection/{selection}.log",
+    wildcard_constraints:
+        selection=SELECTIONS,
+    params:
+        rows=carried(selected_rows),
+        rows_digest=marked(selected_rows),
+        facts=facts_of,
+        selection=lambda wildcards: wildcards.selection,
+        settings=lambda wildcards: system_of(wildcards)["tables"]["selections"][wildcards.selection],
+        digits=lambda wildcards: system_of(wildcards)["tables"]["digits"],
+        published=lambda wildcards: system_of(wildcards)["published"],
+        bootstrap=lambda wildcards: system_of(wildcards)["tables"]["bootstrap"],
+        seed=SEED,
+        code=code("tabulate_selection.py"),
+    script:
+        "../scripts/tabulate_selection.py"
+
+
 rule tabulate_systems:
     input:
         utterances=of_systems(lambda wildcards: [of_coding("utterances.tsv")(wildcards)]),
