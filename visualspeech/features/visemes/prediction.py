@@ -14,7 +14,7 @@ come from one pass over the data, because ridge regression needs only sums, from
 
 import hashlib
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -30,46 +30,52 @@ MIN_SECONDS = 0.1  # of training in which an indicator must be 1
 PENALTY = 0.1  # seconds of training that the weight 0 counts for
 # Weights of the scores of a sequence of classes, chosen on the validation utterances of GRID (docs/visemes.md).
 NEARNESS, FOLLOWING = 2.0, 0.2
+MIN_ERROR = 1e-9  # see `TextModel.error`
 _LEAST_SHARE = 1e-3  # of a class in a context; regression also gives negative ones
 _FRAMES_AT_A_TIME = 10_000  # of a fold, that enter its sums together
 _FOLLOWED = 0.05  # what is added to the count of each pair of classes
 
 
 @dataclass(frozen=True)
+class CrossFit:
+    """Models for training utterances, each of which does not know the utterances of one of K folds.
+
+    Parameters
+    ----------
+    training : (U,) int64 ascending, digests of the ids of the training utterances; the folds take turns
+    weights : (K, F, D + N) float32, see :class:`TextModel`
+    offsets : (K, D + N) float32
+    """
+
+    training: np.ndarray
+    weights: np.ndarray
+    offsets: np.ndarray
+
+    def fold_of(self, utterance: str) -> int | None:
+        """Number of the fold of an utterance; None for one that is not of the training."""
+        return fold_of(utterance, self.training, len(self.weights))
+
+
+@dataclass(frozen=True)
 class TextModel:
-    """A model of dynamic visemes given phones and their times, with one more for each fold of training utterances.
+    """A model of dynamic visemes given phones and their times.
 
     Parameters
     ----------
     known : (F,) int64 ascending, the indicators that it reads
-    weights : (1 + folds, F, D + N) float32 of D parameters and N classes; first those of all training utterances, then
-        those of all but a fold
-    offsets : (1 + folds, D + N) float32
-    error : mean square of the error of the D parameters together, of training utterances that were left out
+    weights : (F, D + N) float32 of D parameters and N classes, from all training utterances
+    offsets : (D + N,) float32
     follows : (N + 1, N) float32 log-probability that a class follows another one; in the last row, that it is the first
-    training : (U,) int64 ascending, digests of the ids of the training utterances; their folds take turns
+    error : mean square of the error of the D parameters together, of training utterances that a model does not know
+    crossfit : the models for training utterances; None where they are not cross-fitted
     """
 
     known: np.ndarray
     weights: np.ndarray
     offsets: np.ndarray
-    error: float
     follows: np.ndarray
-    training: np.ndarray
-
-    @property
-    def folds(self) -> int:
-        """Number of folds; 0 where training utterances are not cross-fitted."""
-        return len(self.weights) - 1
-
-    def model_of(self, utterance: str) -> int:
-        """Number of the model for an utterance: that of its fold for one of the training, else 0."""
-        if not self.folds or not len(self.training):
-            return 0
-        number = digest_of(utterance)
-        place = int(np.searchsorted(self.training, number))
-        known = place < len(self.training) and self.training[place] == number
-        return 1 + place % self.folds if known else 0
+    error: float
+    crossfit: CrossFit | None = None
 
     def predict(
         self, alignment: Alignment, frames: int, rate: float, phones: Sequence[str], utterance: str = ""
@@ -79,11 +85,16 @@ class TextModel:
         Parameters
         ----------
         phones : inventory
-        utterance : id; that of a training utterance selects the model that does not know it
+        utterance : id; that of a training utterance selects a model that does not know it
         """
-        rows, number = indicators(frame_codes(alignment, frames, rate, phones), self.known), self.model_of(utterance)
-        values = rows @ self.weights[number].astype(np.float64) + self.offsets[number]
-        return np.split(values, [values.shape[1] - self.follows.shape[1]], axis=1)
+        fold = None if self.crossfit is None else self.crossfit.fold_of(utterance)
+        weights, offsets = (
+            (self.weights, self.offsets) if fold is None else (self.crossfit.weights[fold], self.crossfit.offsets[fold])
+        )
+        rows = indicators(frame_codes(alignment, frames, rate, phones), self.known)
+        values = rows @ weights.astype(np.float64) + offsets
+        parameters, shares = np.split(values, [values.shape[1] - self.follows.shape[1]], axis=1)
+        return parameters, shares
 
     def classes_of(
         self, classes: VisemeClasses, values: np.ndarray, shares: np.ndarray, gestures: Gestures
@@ -94,9 +105,12 @@ class TextModel:
         scores = -NEARNESS * distances / self.error + np.log(np.maximum(means, _LEAST_SHARE))
         return best_path(scores, FOLLOWING * self.follows)
 
-    def for_new_speech(self) -> "TextModel":
-        """The model without what only training utterances need."""
-        return replace(self, weights=self.weights[:1], offsets=self.offsets[:1], training=self.training[:0])
+
+def fold_of(utterance: str, training: np.ndarray, folds: int) -> int | None:
+    """Number of the fold of a training utterance, given the sorted digests of all; None for another utterance."""
+    number = digest_of(utterance)
+    place = int(np.searchsorted(training, number))
+    return place % folds if place < len(training) and training[place] == number else None
 
 
 def best_path(scores: np.ndarray, follows: np.ndarray) -> np.ndarray:
@@ -159,16 +173,23 @@ def fit_text_model(
     known, digests, follows = _first_pass(training(), phones, classes)
     if not len(digests):
         raise DataError("there is no training utterance to learn from. Add recordings, or change `split`.")
-    folds = min(folds, len(digests)) if len(digests) > 1 else 1
+    folds = min(folds, len(digests))
     parts, penalty, size = _sums_of_folds(training(), phones, classes, known, digests, folds)
     whole = sum(parts[1:], parts[0])
-    solved = [whole.solve(penalty)]
-    solved += [(whole - part).solve(penalty) for part in parts] if folds > 1 else []
-    held = zip(parts, solved[1:] or solved, strict=True)
-    error = sum(part.errors(*model)[:size].sum() for part, model in held) / whole.frames
-    weights, offsets = (np.array(part, np.float32) for part in zip(*solved, strict=True))
-    # Parameters that are predicted without error leave no scale of distances; any positive one serves.
-    return TextModel(known, weights, offsets, float(max(error, 1e-9)), follows, digests)
+    weights, offsets = whole.solve(penalty)
+    # A single utterance cannot be left out.
+    left_out = [(whole - part).solve(penalty) for part in parts] if folds > 1 else [(weights, offsets)]
+    error = sum(part.errors(*one)[:size].sum() for part, one in zip(parts, left_out, strict=True)) / whole.frames
+    of_folds = [np.array(part, np.float32) for part in zip(*left_out, strict=True)]
+    return TextModel(
+        known,
+        weights.astype(np.float32),
+        offsets.astype(np.float32),
+        follows,
+        # Parameters that are predicted without error leave no scale of distances; any positive one serves.
+        float(max(error, MIN_ERROR)),
+        CrossFit(digests, *of_folds) if folds > 1 else None,
+    )
 
 
 def _sums_of_folds(
@@ -190,7 +211,7 @@ def _sums_of_folds(
         return sums if parts[fold] is None else parts[fold] + sums
 
     for one in training:
-        fold = int(np.searchsorted(digests, digest_of(one.utterance))) % folds
+        fold = fold_of(one.utterance, digests, folds)
         codes = frame_codes(one.alignment, len(one.values), one.rate, phones)
         wanted = np.concatenate([one.values, np.eye(classes)[one.classes[one.gestures.of_frames()]]], axis=1)
         waiting[fold].append((codes, wanted))
