@@ -29,7 +29,9 @@ from visualspeech.face.screening import ScreeningSettings
 from visualspeech.face.tracker import LandmarkSettings
 from visualspeech.features.blocks.base import block_class, block_kinds
 from visualspeech.features.blocks.label_parts import LabelPartsSettings
+from visualspeech.features.blocks.linguistic import LinguisticSettings
 from visualspeech.features.blocks.log_mel import LogMelSettings
+from visualspeech.features.blocks.phone import PhoneSettings
 from visualspeech.features.blocks.phone_classes import PhoneClassesSettings
 from visualspeech.features.blocks.phone_track import PhoneTrackSettings
 from visualspeech.features.blocks.triphone_state import TriphoneStateSettings
@@ -58,9 +60,10 @@ from visualspeech.speech.spoken_settings import VoiceSettings
 CLASSES = [
     AamSettings, AlignmentSettings, BootstrapSettings, CheckSettings, ComparisonSettings, DemoSettings, DriftSettings,
     EnsembleSettings, FittingSettings, GvCompensationSettings, HmmSettings, LabelPartsSettings, LandmarkSettings,
-    LogMelSettings, LookupSettings, PhoneClassesSettings, PhoneTrackSettings, PoseSettings, ReferenceSettings,
-    RenderSettings, ScreeningSettings, SelectionSettings, SpeakSettings, StackSettings, TableSettings, TrainingSettings,
-    TrajectorySettings, TriphoneStateSettings, VideoSettings, VoiceSettings, WalkSettings,
+    LinguisticSettings, LogMelSettings, LookupSettings, PhoneClassesSettings, PhoneSettings, PhoneTrackSettings,
+    PoseSettings, ReferenceSettings, RenderSettings, ScreeningSettings, SelectionSettings, SpeakSettings, StackSettings,
+    TableSettings, TrainingSettings, TrajectorySettings, TriphoneStateSettings, VideoSettings, VoiceSettings,
+    WalkSettings,
 ]  # fmt: skip
 HEAVY = {"av", "torch", "cv2", "dlib", "pandas", "scipy", "matplotlib", "h5py", "pocketsphinx", "jsonschema"}
 BESIDE = {"minimum": -1, "above": 0, "maximum": 1, "below": 0}  # how far outside a bound a value is

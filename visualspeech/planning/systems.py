@@ -12,6 +12,7 @@ from visualspeech.fields import section_schema, with_defaults
 from visualspeech.models.entries import model_mistakes
 from visualspeech.models.registry import expand
 from visualspeech.models.rows import ORACLE, ModelRow
+from visualspeech.planning.blocks import part_mistakes, read_faces, speaking_row
 from visualspeech.planning.tables import resolved_tables, rows_of_entries, table_mistakes
 from visualspeech.schema import check, mistakes, unknown
 from visualspeech.settings import merged, read_yaml
@@ -226,8 +227,9 @@ def complete_system(system: Mapping, seed: int) -> dict:
     blocks = {name: _block(block, f"{where}.blocks.{name}") for name, block in system["blocks"].items() if block}
     seeds = system["seeds"] or [seed]
     rows = expand(system["models"], blocks, system["training"], seeds, f"{where}.models")
-    rows = [replace(row, role=ORACLE) if row.role == "model" and _is_told(row, blocks) else row for row in rows]
-    found = _naming_mistakes(system, rows, where) + _sound_mistakes(system, blocks, rows, where)
+    rows = [replace(row, role=ORACLE) if row.role == "model" and read_faces(row.reads, blocks) else row for row in rows]
+    found = part_mistakes(blocks, where)
+    found += _naming_mistakes(system, rows, where) + _sound_mistakes(system, blocks, rows, where)
     if found:
         raise SettingError("\n".join(found))
     models = [row for row in rows if row.role == "model"]
@@ -242,6 +244,7 @@ def complete_system(system: Mapping, seed: int) -> dict:
         "blocks": blocks,
         "rows": [row.plain() for row in rows],
         "videos": {**system["videos"], "model": shown},
+        "speaking_model": speaking_row(rows, blocks, shown),
         "sound_model": next(iter(rows_of_entries(filter(None, [system["sound_model"]]), rows)), ""),
         "tables": resolved_tables(system["tables"], rows),
         "preference": {**system["preference"], "models": _pair(system, shown, rows)},
@@ -269,11 +272,6 @@ def _sound_mistakes(system: Mapping, blocks: Mapping, rows: Sequence[ModelRow], 
 def _needs_of_row(row: ModelRow, blocks: Mapping) -> set[str]:
     """What the input blocks of a row are computed from."""
     return {need for name in row.reads for need in needs_of(block_class(blocks[name]["kind"]))}
-
-
-def _is_told(row: ModelRow, blocks: Mapping) -> bool:
-    """Whether an input block of a row is read off the recorded face that the row predicts."""
-    return any(blocks[name]["settings"].get("source") == "oracle" for name in row.reads)
 
 
 def _naming_mistakes(system: Mapping, rows: Sequence[ModelRow], where: str) -> list[str]:

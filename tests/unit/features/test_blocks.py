@@ -51,12 +51,20 @@ def fitted(kind, **settings):
 
 
 def test_the_kinds_are_the_modules():
-    assert block_kinds() == ["label_parts", "log_mel", "phone_classes", "phone_track", "triphone_state"]
+    assert block_kinds() == [
+        "label_parts",
+        "linguistic",
+        "log_mel",
+        "phone",
+        "phone_classes",
+        "phone_track",
+        "triphone_state",
+    ]
     for kind in block_kinds():
         cls = block_class(kind)
         assert cls.kind == kind and cls.__module__ == block_module(kind)
         assert cls.settings is None or issubclass(cls.settings, Settings)
-    known = "label_parts, log_mel, phone_classes, phone_track"
+    known = "label_parts, linguistic, log_mel, phone, phone_classes, phone_track"
     with pytest.raises(StorageError, match=f"kind 'triphones' is unknown. Known: {known}"):
         block_class("triphones")
 
@@ -70,6 +78,9 @@ def test_the_kinds_are_the_modules():
         ("phone_classes", {"fractional": True, "states": "thirds"}),
         ("phone_classes", {"states": "none"}),
         ("phone_track", {"states": "aligned"}),
+        ("phone", {"long_pause": 0.05}),
+        ("linguistic", {"features": ["phone_context", "position"]}),
+        ("linguistic", {"features": ["acoustic_class"], "long_pause": 1.0}),
     ],
 )
 def test_streams_fit_the_layout_and_the_file_gives_the_same(tmp_path, kind, settings):

@@ -1,0 +1,78 @@
+"""Counts as inputs of a network: zero mean and unit variance over the training frames, and never beyond their range.
+
+A text to be spoken may have more words than any training utterance; a network says little about inputs that it has
+never seen, so a count outside the range of the training frames is taken as the nearest inside it.
+"""
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+import numpy as np
+
+from visualspeech.errors import DataError
+from visualspeech.storage.layouts import Array
+
+MAX_COUNT = 1e7  # frames of a day at 100 Hz
+MIN_DEVIATION = 1e-3  # what varies less does not vary: one frame of 5 million with another count
+_NAMES = ("mean", "deviation", "low", "high")
+#: What :meth:`Counts.arrays` gives.
+COUNT_ARRAYS = {
+    "mean": Array("f", ("N?",), low=0, high=MAX_COUNT),
+    "deviation": Array("f", ("N?",), low=MIN_DEVIATION, high=MAX_COUNT),
+    "low": Array("f", ("N?",), low=0, high=MAX_COUNT),
+    "high": Array("f", ("N?",), low=0, high=MAX_COUNT),
+}
+
+
+@dataclass(frozen=True, eq=False)
+class Counts:
+    """Statistics of N counts over training frames, (N,) float64 each."""
+
+    mean: np.ndarray
+    deviation: np.ndarray
+    low: np.ndarray
+    high: np.ndarray
+
+    def __eq__(self, other) -> bool:
+        return isinstance(other, Counts) and all(
+            np.array_equal(values, other.arrays()[name]) for name, values in self.arrays().items()
+        )
+
+    def normalised(self, values: np.ndarray) -> np.ndarray:
+        """Counts (T, N), limited to the range of the training frames, with zero mean and unit variance: float32."""
+        return ((np.clip(values, self.low, self.high) - self.mean) / self.deviation).astype(np.float32)
+
+    def arrays(self) -> dict[str, np.ndarray]:
+        """The arrays by name, as they are stored."""
+        return {name: getattr(self, name) for name in _NAMES}
+
+
+def fit_counts(values: Iterable[np.ndarray], columns: int) -> Counts:
+    """Statistics of counts; memory does not grow with the number of utterances.
+
+    A count that is the same in all frames has the deviation 1, so that it gives 0.
+
+    Parameters
+    ----------
+    values : (T, N) of each utterance
+    columns : N
+
+    Raises
+    ------
+    DataError
+        There is no frame.
+    """
+    frames, total, squares = 0, np.zeros(columns), np.zeros(columns)
+    low, high = np.full(columns, np.inf), np.full(columns, -np.inf)
+    for one in values:
+        # Sums of integers below 2 ** 53 are exact in float64, so the order of the utterances does not matter.
+        found = np.asarray(one, np.float64)
+        frames += len(found)
+        total, squares = total + found.sum(axis=0), squares + (found**2).sum(axis=0)
+        if len(found):
+            low, high = np.minimum(low, found.min(axis=0)), np.maximum(high, found.max(axis=0))
+    if not frames:
+        raise DataError("there is no training utterance to learn from. Add recordings, or change `split`.")
+    mean = total / frames
+    deviation = np.sqrt(np.maximum(squares / frames - mean**2, 0))
+    return Counts(mean, np.where(deviation < MIN_DEVIATION, 1.0, deviation), low, high)
