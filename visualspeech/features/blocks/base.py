@@ -45,7 +45,8 @@ class Source:
 class Block(Protocol):
     """An input block, fitted.
 
-    A block that is computed from sound says so with ``needs = ("audio",)``; see :func:`needs_of`.
+    A block that is computed from sound says so with ``needs = ("audio",)``; see :func:`needs_of`. One whose rows are
+    segments says so with ``segmental = True``, so that planning knows it.
     """
 
     kind: ClassVar[str]
@@ -107,6 +108,11 @@ def block_class(kind: str) -> type[Block]:
 def needs_of(block: "type[Block] | Block") -> tuple[str, ...]:
     """What a block, or its class, is computed from: ``text`` (the alignment; where it says nothing), ``audio``."""
     return tuple(getattr(block, "needs", ("text",)))
+
+
+def is_segmental(block: "type[Block] | Block") -> bool:
+    """Whether the rows of a block, or of its class, are segments; a class that says nothing has frames."""
+    return bool(getattr(block, "segmental", False))
 
 
 def restore(kind: str, arrays: Mapping[str, np.ndarray], plain: Mapping, path: str | Path = "") -> Block:
