@@ -7,7 +7,7 @@ from pathlib import Path
 
 from visualspeech.errors import SettingError
 from visualspeech.evaluation.published_results import published_names
-from visualspeech.features.blocks.base import block_class, block_kinds, needs_of
+from visualspeech.features.blocks.base import block_class, block_kinds, is_segmental, needs_of
 from visualspeech.fields import section_schema, with_defaults
 from visualspeech.models.entries import model_mistakes
 from visualspeech.models.registry import expand
@@ -227,9 +227,12 @@ def complete_system(system: Mapping, seed: int) -> dict:
     blocks = {name: _block(block, f"{where}.blocks.{name}") for name, block in system["blocks"].items() if block}
     seeds = system["seeds"] or [seed]
     rows = expand(system["models"], blocks, system["training"], seeds, f"{where}.models")
-    rows = [replace(row, role=ORACLE) if row.role == "model" and read_faces(row.reads, blocks) else row for row in rows]
     found = part_mistakes(blocks, where)
-    found += _naming_mistakes(system, rows, where) + _sound_mistakes(system, blocks, rows, where)
+    if found:
+        raise SettingError("\n".join(found))
+    rows = [replace(row, role=ORACLE) if row.role == "model" and read_faces(row.reads, blocks) else row for row in rows]
+    found = _naming_mistakes(system, rows, where) + _sound_mistakes(system, blocks, rows, where)
+    found += _window_mistakes(system, blocks, rows, where)
     if found:
         raise SettingError("\n".join(found))
     models = [row for row in rows if row.role == "model"]
@@ -267,6 +270,19 @@ def _sound_mistakes(system: Mapping, blocks: Mapping, rows: Sequence[ModelRow], 
         for row in rows
         if wanted and wanted in (row.group, row.name) and _needs_of_row(row, blocks) != {"audio"}
     ]
+
+
+def _window_mistakes(system: Mapping, blocks: Mapping, rows: Sequence[ModelRow], where: str) -> list[str]:
+    """Windows that are no frames: shorter than a frame, or of a block of segments; a sentence for each entry's."""
+    found = {}
+    for group, name, seconds in ((row.group, name, each) for row in rows for name, each in row.windows.items()):
+        key = f"`{where}.models.{group}.reads`: the window of {name}"
+        if is_segmental(block_class(blocks[name]["kind"])):
+            found[key] = f"{key} must be left out: the block has a row per segment, not per frame."
+        elif round(seconds * system["rate"]) < 1:
+            least = 1 / system["rate"]
+            found[key] = f"{key}, {seconds:g} s, is less than a frame of {least:g} s; lengthen it or leave it out."
+    return list(found.values())
 
 
 def _needs_of_row(row: ModelRow, blocks: Mapping) -> set[str]:

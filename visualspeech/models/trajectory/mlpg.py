@@ -6,7 +6,7 @@ the mean, which these errors are; the variances of the targets themselves, which
 that the network cannot predict as much as one that it can.
 """
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -42,10 +42,12 @@ class Mlpg:
         return generate(means.astype(np.float64), precisions, step_of(self.delta_step, rate)).values
 
 
-def error_variance(errors: Sequence[np.ndarray]) -> np.ndarray:
+def error_variance(errors: Iterable[np.ndarray]) -> np.ndarray:
     """Mean squares (3N,) float32 of the errors (T, 3N) of utterances, none too small to generate a trajectory."""
-    squares = sum(np.square(one, dtype=np.float64).sum(axis=0) for one in errors) / sum(map(len, errors))
-    parts = squares.reshape(len(WINDOWS), -1)
+    squares, frames = 0.0, 0
+    for one in errors:
+        squares, frames = squares + np.square(one, dtype=np.float64).sum(axis=0), frames + len(one)
+    parts = (squares / frames).reshape(len(WINDOWS), -1)
     largest = parts.max(axis=0)
     return np.maximum(parts, np.where(largest > 0, _LEAST * largest, 1.0)).reshape(-1).astype(np.float32)
 
