@@ -309,6 +309,11 @@ def _naming_mistakes(system: Mapping, rows: Sequence[ModelRow], where: str) -> l
         for number, name in enumerate(pair)
         if name not in trained
     ]
+    found += [
+        unknown(f"{where}.trajectories.models.{number}", name, trained, "model of the system")
+        for number, name in enumerate(system["trajectories"]["models"])
+        if name not in trained
+    ]
     if len(pair) == 1:
         found.append(f"`{where}.preference.models: [{pair[0]}]` must name two models, or none to have them chosen.")
     return found
