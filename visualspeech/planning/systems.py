@@ -11,7 +11,7 @@ from visualspeech.fields import section_schema, with_defaults
 from visualspeech.models.entries import model_mistakes
 from visualspeech.models.registry import expand
 from visualspeech.models.rows import ModelRow
-from visualspeech.planning.blocks import part_mistakes, speaking_row
+from visualspeech.planning.blocks import part_mistakes
 from visualspeech.schema import check, mistakes, unknown
 from visualspeech.settings import merged, read_yaml
 
@@ -242,7 +242,6 @@ def complete_system(system: Mapping, seed: int) -> dict:
         "blocks": blocks,
         "rows": [row.plain() for row in rows],
         "videos": {**system["videos"], "model": shown},
-        "speaking_model": speaking_row(rows, blocks, shown),
         "sound_model": next(iter(_of_groups(filter(None, [system["sound_model"]]), rows)), ""),
         "tables": {
             **system["tables"],
