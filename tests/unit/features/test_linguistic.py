@@ -11,9 +11,12 @@ from visualspeech.features.blocks.base import Source, restore
 from visualspeech.features.blocks.linguistic import Linguistic, LinguisticSettings
 from visualspeech.features.blocks.phone import Phone, PhoneSettings
 from visualspeech.features.linguistic import FEATURES, linguistic_columns
+from visualspeech.models.block_states import BLOCK_ARRAYS, pack, unpack
 from visualspeech.speech.acoustic_classes import ACOUSTIC_CLASSES
 from visualspeech.speech.phones import PHONES
 from visualspeech.speech.structure import SYMBOLS, structure_of, symbols_of
+from visualspeech.storage.layouts import check_arrays
+from visualspeech.storage.models import read_model, write_model
 
 #: Categorical columns and real values of each feature. Table 1 has the features, section 4 these dimensions: 41 phones,
 #: "three binary elements" of a position, 57 acoustic classes, 41 x 5 of a segment. A pause is in no syllable, word and
@@ -164,8 +167,18 @@ def test_statistics_must_be_those_of_the_features():
         restore("linguistic", arrays, {**plain, "features": ["word"]}, "a file")
     with pytest.raises(DamagedFile, match="'xx' is not one of"):
         restore("linguistic", arrays, {**plain, "phones": ["sil", "xx"]}, "a file")
-    with pytest.raises(DamagedFile, match="deviation"):
-        restore("linguistic", {**arrays, "deviation": 0 * arrays["deviation"]}, plain, "a file")
+    with pytest.raises(DamagedFile, match=r"`counts.0.deviation` in its settings: 0 is less than the minimum"):
+        restore("linguistic", arrays, {**plain, "counts": [{**plain["counts"][0], "deviation": 0}]}, "a file")
+
+
+@pytest.mark.parametrize("features", [("acoustic_class",), ("position",), tuple(FEATURES)])
+def test_a_model_file_holds_any_choice_of_features(tmp_path, features):
+    block = fitted(features=features)
+    arrays, plain = pack({"ctx": block, "ph": Phone(PHONES)})
+    write_model(tmp_path / "model.safetensors", arrays, {"blocks": plain})
+    arrays, settings = read_model(tmp_path / "model.safetensors")
+    check_arrays("model", arrays, BLOCK_ARRAYS)
+    assert unpack(arrays, settings["blocks"]) == {"ctx": block, "ph": Phone(PHONES)}
 
 
 def test_memory_of_fitting_does_not_grow_with_the_corpus():
