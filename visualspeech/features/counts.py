@@ -4,12 +4,12 @@ A text to be spoken may have more words than any training utterance; a network s
 never seen, so a count outside the range of the training frames is taken as the nearest inside it.
 """
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
-from visualspeech.errors import DataError
+from visualspeech.errors import DataError, SettingError
 from visualspeech.storage.layouts import Array
 
 MAX_COUNT = 1e7  # frames of a day at 100 Hz
@@ -21,6 +21,20 @@ COUNT_ARRAYS = {
     "deviation": Array("f", ("N?",), low=MIN_DEVIATION, high=MAX_COUNT),
     "low": Array("f", ("N?",), low=0, high=MAX_COUNT),
     "high": Array("f", ("N?",), low=0, high=MAX_COUNT),
+}
+
+
+_NUMBER = {"type": "number", "minimum": 0, "maximum": MAX_COUNT}
+#: JSON Schema of what :meth:`Counts.plain` gives.
+COUNTS = {
+    "type": "array",
+    "maxItems": 100,
+    "items": {
+        "type": "object",
+        "required": list(_NAMES),
+        "additionalProperties": False,
+        "properties": {name: _NUMBER | ({"minimum": MIN_DEVIATION} if name == "deviation" else {}) for name in _NAMES},
+    },
 }
 
 
@@ -41,6 +55,24 @@ class Counts:
     def normalised(self, values: np.ndarray) -> np.ndarray:
         """Counts (T, N), limited to the range of the training frames, with zero mean and unit variance: float32."""
         return ((np.clip(values, self.low, self.high) - self.mean) / self.deviation).astype(np.float32)
+
+    def plain(self) -> list[dict[str, float]]:
+        """Statistics of each count by name, as plain data hold them; an array of no counts could not be stored."""
+        columns = (getattr(self, name).tolist() for name in _NAMES)
+        return [dict(zip(_NAMES, one, strict=True)) for one in zip(*columns, strict=True)]
+
+    @classmethod
+    def of(cls, plain: Sequence[Mapping[str, float]], columns: int) -> "Counts":
+        """The inverse of :meth:`plain`, for data of the schema :data:`COUNTS`.
+
+        Raises
+        ------
+        SettingError
+            There are not ``columns`` counts.
+        """
+        if len(plain) != columns:
+            raise SettingError(f"there are statistics of {len(plain)} counts, the features have {columns}.")
+        return cls(*(np.array([one[name] for one in plain], np.float64) for name in _NAMES))
 
     def arrays(self) -> dict[str, np.ndarray]:
         """The arrays by name, as they are stored."""

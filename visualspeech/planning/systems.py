@@ -12,7 +12,7 @@ from visualspeech.fields import section_schema, with_defaults
 from visualspeech.models.entries import model_mistakes
 from visualspeech.models.registry import expand
 from visualspeech.models.rows import ORACLE, ModelRow
-from visualspeech.planning.blocks import part_mistakes, read_faces, speaking_row
+from visualspeech.planning.blocks import part_mistakes, read_faces
 from visualspeech.planning.tables import resolved_tables, rows_of_entries, table_mistakes
 from visualspeech.schema import check, mistakes, unknown
 from visualspeech.settings import merged, read_yaml
@@ -247,7 +247,6 @@ def complete_system(system: Mapping, seed: int) -> dict:
         "blocks": blocks,
         "rows": [row.plain() for row in rows],
         "videos": {**system["videos"], "model": shown},
-        "speaking_model": speaking_row(rows, blocks, shown),
         "sound_model": next(iter(rows_of_entries(filter(None, [system["sound_model"]]), rows)), ""),
         "tables": resolved_tables(system["tables"], rows),
         "preference": {**system["preference"], "models": _pair(system, shown, rows)},

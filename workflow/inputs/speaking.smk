@@ -1,4 +1,5 @@
 # Who speaks, and what.
+from visualspeech.planning.blocks import speaking_row
 from visualspeech.speech.sentences import listed_sentences
 from visualspeech.speech.tts import letter_to_sound
 
@@ -9,7 +10,8 @@ def speaking():
     """(corpus, system, model) of every speaker: one for each corpus on which the system that speaks runs. The model is
     empty where none of the system can read new speech."""
     system = SPEAK["system"] or next(name for _, name in PLAN.pairs)
-    model = SPEAK["model"] or SETTINGS["systems"][system]["speaking_model"]
+    own = SETTINGS["systems"][system]
+    model = SPEAK["model"] or speaking_row(rows_of(system), own["blocks"], own["videos"]["model"])
     return [(corpus, system, model) for corpus, name in PLAN.pairs if name == system]
 
 

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from visualspeech.errors import DataError
-from visualspeech.features.counts import COUNT_ARRAYS, Counts, fit_counts
-from visualspeech.storage.layouts import check_arrays
+from visualspeech.errors import DataError, SettingError
+from visualspeech.features.counts import COUNTS, Counts, fit_counts
+from visualspeech.storage.layouts import check_plain
 
 
 def test_statistics_are_those_of_all_frames_whatever_their_order():
@@ -19,7 +19,10 @@ def test_statistics_are_those_of_all_frames_whatever_their_order():
     assert values.dtype == np.float32
     assert np.allclose(values.mean(axis=0), 0, atol=1e-6) and np.allclose(values.std(axis=0), 1, atol=1e-6)
     assert fit_counts(reversed(utterances), 4) == found and found != fit_counts(utterances[:1], 4)
-    check_arrays("a file", found.arrays(), COUNT_ARRAYS)
+    check_plain("a file", found.plain(), COUNTS)
+    assert Counts.of(found.plain(), 4) == found
+    with pytest.raises(SettingError, match="statistics of 4 counts, the features have 3"):
+        Counts.of(found.plain(), 3)
 
 
 def test_counts_beyond_those_of_training_are_limited():

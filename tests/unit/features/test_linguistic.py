@@ -7,13 +7,19 @@ import pytest
 
 from tests.unit.speech.alignments import even_alignment
 from visualspeech.errors import DamagedFile, DataError
-from visualspeech.features.blocks.base import Source, restore
+from visualspeech.features.blocks.base import Source, phones_of, restore
 from visualspeech.features.blocks.linguistic import Linguistic, LinguisticSettings
 from visualspeech.features.blocks.phone import Phone, PhoneSettings
 from visualspeech.features.linguistic import FEATURES, linguistic_columns
+from visualspeech.features.streams import check_stream
+from visualspeech.models.block_states import BLOCK_ARRAYS, pack, unpack
 from visualspeech.speech.acoustic_classes import ACOUSTIC_CLASSES
 from visualspeech.speech.phones import PHONES
+from visualspeech.speech.spoken import speak_text
 from visualspeech.speech.structure import SYMBOLS, structure_of, symbols_of
+from visualspeech.speech.substitutes import in_phones
+from visualspeech.storage.layouts import check_arrays
+from visualspeech.storage.models import read_model, write_model
 
 #: Categorical columns and real values of each feature. Table 1 has the features, section 4 these dimensions: 41 phones,
 #: "three binary elements" of a position, 57 acoustic classes, 41 x 5 of a segment. A pause is in no syllable, word and
@@ -164,8 +170,18 @@ def test_statistics_must_be_those_of_the_features():
         restore("linguistic", arrays, {**plain, "features": ["word"]}, "a file")
     with pytest.raises(DamagedFile, match="'xx' is not one of"):
         restore("linguistic", arrays, {**plain, "phones": ["sil", "xx"]}, "a file")
-    with pytest.raises(DamagedFile, match="deviation"):
-        restore("linguistic", {**arrays, "deviation": 0 * arrays["deviation"]}, plain, "a file")
+    with pytest.raises(DamagedFile, match=r"`counts.0.deviation` in its settings: 0 is less than the minimum"):
+        restore("linguistic", arrays, {**plain, "counts": [{**plain["counts"][0], "deviation": 0}]}, "a file")
+
+
+@pytest.mark.parametrize("features", [("acoustic_class",), ("position",), tuple(FEATURES)])
+def test_a_model_file_holds_any_choice_of_features(tmp_path, features):
+    block = fitted(features=features)
+    arrays, plain = pack({"ctx": block, "ph": Phone(PHONES)})
+    write_model(tmp_path / "model.safetensors", arrays, {"blocks": plain})
+    arrays, settings = read_model(tmp_path / "model.safetensors")
+    check_arrays("model", arrays, BLOCK_ARRAYS)
+    assert unpack(arrays, settings["blocks"]) == {"ctx": block, "ph": Phone(PHONES)}
 
 
 def test_memory_of_fitting_does_not_grow_with_the_corpus():
@@ -178,3 +194,24 @@ def test_memory_of_fitting_does_not_grow_with_the_corpus():
 
     kept = 195 * 200 * 9 * 4  # bytes of the counts of 195 more utterances
     assert peak(200) - peak(5) < 0.25 * kept
+
+
+def test_a_new_text_is_encoded_in_the_phones_of_the_corpus():
+    """What is spoken has phones, lengths and pauses that no training utterance has."""
+    phones = sorted({one.label for source in TRAINING for one in source.alignment.phones})
+    blocks = Phone.fit(vars(PhoneSettings()), phones, TRAINING), Linguistic.fit({}, phones, TRAINING)
+    known = {SYMBOLS.index(phone) for phone in (*phones, "sp")}
+    text = "Measure the vision of George, please, for azure toys sing, although nobody whatsoever listens to them."
+    (one,) = speak_text(text)
+    alignment, replaced = in_phones(one.alignment, phones_of(blocks[1]))
+    assert {"zh", "jh", "ng", "oy"} <= set(replaced) and phones_of(blocks[0]) == phones_of(blocks[1])
+    source = Source(int(alignment.duration * 100), 100.0, alignment)
+    phone, context = (next(iter(block.encode([source]))) for block in blocks)
+    check_stream(phone, blocks[0].layout, "ph")
+    check_stream(context, blocks[1].layout, "ctx")
+    assert set(np.unique(phone.index)) <= known and len(np.unique(phone.index)) > 10
+    ranges = blocks[1].counts
+    low, high = ((limit - ranges.mean) / ranges.deviation for limit in (ranges.low, ranges.high))
+    assert (context.values[:, :9] >= low - 1e-5).all() and (context.values[:, :9] <= high + 1e-5).all()
+    # The commas are pauses, which end phrases.
+    assert structure_of(alignment, 0.1).phrases_in_utterance.max() > 1

@@ -10,9 +10,8 @@ from typing import ClassVar
 
 import numpy as np
 
-from visualspeech.errors import SettingError
 from visualspeech.features.blocks.base import Source
-from visualspeech.features.counts import COUNT_ARRAYS, Counts, fit_counts
+from visualspeech.features.counts import COUNTS, Counts, fit_counts
 from visualspeech.features.linguistic import FEATURES, Columns, linguistic_columns, sizes_of
 from visualspeech.features.streams import Layout, Stream
 from visualspeech.fields import Settings, setting
@@ -62,8 +61,8 @@ class Linguistic:
     kind: ClassVar[str] = "linguistic"
     settings: ClassVar[type | None] = LinguisticSettings
     stored: ClassVar[FileLayout] = FileLayout(
-        COUNT_ARRAYS,
-        {
+        plain={
+            "counts": COUNTS,
             "phones": {**PHONES, "items": {"enum": list(ARPABET)}},
             "short_pauses": {"type": "boolean"},
             # A model's inputs are these, in this order.
@@ -117,7 +116,8 @@ class Linguistic:
             yield Stream(found.index if self.layout.sizes else None, values if self.layout.dimension else None)
 
     def state(self) -> tuple[dict[str, np.ndarray], dict]:
-        return self.counts.arrays(), {
+        return {}, {
+            "counts": self.counts.plain(),
             "phones": list(self.phones),
             "short_pauses": self.short_pauses,
             "classes": list(ACOUSTIC_CLASSES),
@@ -127,18 +127,10 @@ class Linguistic:
 
     @classmethod
     def restore(cls, arrays: Mapping[str, np.ndarray], plain: Mapping) -> "Linguistic":
-        """The inverse of :meth:`state`.
-
-        Raises
-        ------
-        SettingError
-            The statistics are not those of the features.
-        """
+        """The inverse of :meth:`state`; raises :class:`SettingError` where counts and features do not fit."""
         options = LinguisticSettings(tuple(plain["features"]), plain["long_pause"])
-        wanted = sizes_of(options.features).counts
-        if len(arrays["mean"]) != wanted:
-            raise SettingError(f"there are statistics of {len(arrays['mean'])} counts, the features have {wanted}.")
-        return cls(tuple(plain["phones"]), Counts(**arrays), plain["short_pauses"], options)
+        counts = Counts.of(plain["counts"], sizes_of(options.features).counts)
+        return cls(tuple(plain["phones"]), counts, plain["short_pauses"], options)
 
 
 def _columns(source: Source, options: LinguisticSettings, short_pauses: bool) -> Columns:
