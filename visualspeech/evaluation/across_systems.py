@@ -62,8 +62,8 @@ class SystemRows:
 def systems_frame(systems: Sequence[SystemRows], bootstrap: BootstrapSettings):
     """Figures of all systems as a data frame: ``system row metric part value low high``, one line per row and column.
 
-    Predictions are compared with the recorded face in the system's own coding and at its own frame rate. Repetitions of
-    a model are one row. A measure whose statistics a system lacks is NaN.
+    Predictions are compared with the recorded face in the system's own coding. Repetitions of a model are one row. A
+    measure whose statistics a system lacks is NaN.
 
     Raises
     ------
@@ -144,7 +144,8 @@ def systems_tables(
     notes = (
         "The best value in each column is bold; floors are left out.",
         *oracle_note([row for _, pooled in measured for row in pooled.rows]),
-        "The truth of each system is the recorded face at its own frame rate and in its own visual coding.",
+        "Predictions of every system are brought to the frames of the camera, as a video shows them, and compared with "
+        "the recorded face there, in the system's own visual coding. Headings say the rate of a system's models.",
     )
     if lost:
         notes += (f"Left out, because a visual coding rejected them: {', '.join(sorted(lost))}.",)

@@ -25,6 +25,16 @@ def of_coding(file):
     return lambda wildcards: filled(f"<coding>/{file}", wildcards, coding=system_of(wildcards)["coding"])[0]
 
 
+def of_coding_shards(file):
+    """Input function: a file of every shard of the visual coding of the job's system."""
+    return lambda wildcards: filled(
+        f"<coding>/{file}",
+        wildcards,
+        coding=system_of(wildcards)["coding"],
+        shard=PLAN.corpora[wildcards.corpus].shards,
+    )
+
+
 def rows_of(system, roles=ROLES):
     """The rows of a system's tables, in their order."""
     rows = [ModelRow.of(row) for row in SETTINGS["systems"][system]["rows"]]

@@ -30,11 +30,11 @@ def plain_rows(roles=ROLES, names=None):
     return rows
 
 
-def statistics_of(roles=ROLES, names=None):
+def statistics_of(roles=ROLES, names=None, file="statistics.tsv"):
     """Input function: the measured test utterances of these rows, in the order of :func:`plain_rows`."""
     rows = plain_rows(roles, names)
     return lambda wildcards: [
-        path for row in rows(wildcards) for path in filled("<model>/statistics.tsv", wildcards, model=row["name"])
+        path for row in rows(wildcards) for path in filled(f"<model>/{file}", wildcards, model=row["name"])
     ]
 
 
@@ -130,7 +130,8 @@ def tabulated(wildcards):
         {
             "title": system_of(one)["title"] or one.system,
             "rows": plain_rows()(one),
-            "statistics": statistics_of()(one),
+            "statistics": statistics_of(file="camera.tsv")(one),
+            "rate": system_of(one)["rate"],
             "utterances": of_coding("utterances.tsv")(one),
             "coding": of_coding("model.safetensors")(one),
             "facts": facts_of(one),

@@ -25,11 +25,13 @@ rule measure_model:
         coding=of_coding("model.safetensors"),
         predictions="<system>/models/{model}/predictions.h5",
         targets=shards("<system>/targets/{shard}.h5"),
+        parameters=of_coding_shards("parameters/{shard}.h5"),
         alignment=shards("<corpus>/alignment/{shard}.tsv"),
         lips="<system>/lips.tsv",
     output:
         test="<system>/models/{model}/statistics.tsv",
         validation="<system>/models/{model}/validation.tsv",
+        camera="<system>/models/{model}/camera.tsv",
     log:
         "<system>/logs/measure_model/{model}.log",
     benchmark:
@@ -231,7 +233,7 @@ rule tabulate_systems:
     input:
         utterances=of_systems(lambda wildcards: [of_coding("utterances.tsv")(wildcards)]),
         codings=of_systems(lambda wildcards: [of_coding("model.safetensors")(wildcards)]),
-        statistics=of_systems(statistics_of()),
+        statistics=of_systems(statistics_of(file="camera.tsv")),
     output:
         multiext("<corpus>/tables/systems", *FORMS),
     log:

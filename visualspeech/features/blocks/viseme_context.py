@@ -119,7 +119,8 @@ class VisemeContext:
         Raises
         ------
         DataError
-            The visemes are those of a recorded face and there is none, or the alignment has phones that are not ARPAbet.
+            The visemes are those of a recorded face and there is none, or the alignment has phones that are not
+            ARPAbet.
         """
         for one in sources:
             found = _columns(self.visemes, one, self.options)
