@@ -27,6 +27,7 @@ from visualspeech.face.head import PoseSettings
 from visualspeech.face.screening import ScreeningSettings
 from visualspeech.face.tracker import LandmarkSettings
 from visualspeech.features.blocks.base import block_class, block_kinds
+from visualspeech.features.blocks.full_context import FullContextSettings
 from visualspeech.features.blocks.label_parts import LabelPartsSettings
 from visualspeech.features.blocks.log_mel import LogMelSettings
 from visualspeech.features.blocks.phone_classes import PhoneClassesSettings
@@ -56,9 +57,9 @@ from visualspeech.speech.spoken_settings import VoiceSettings
 
 CLASSES = [
     AamSettings, AlignmentSettings, BootstrapSettings, CheckSettings, ComparisonSettings, DemoSettings, DriftSettings,
-    EnsembleSettings, FittingSettings, GvCompensationSettings, HmmSettings, LabelPartsSettings, LandmarkSettings,
-    LogMelSettings, LookupSettings, PhoneClassesSettings, PhoneTrackSettings, PoseSettings, ReferenceSettings,
-    RenderSettings, ScreeningSettings, SpeakSettings, StackSettings, TableSettings, TrainingSettings,
+    EnsembleSettings, FittingSettings, FullContextSettings, GvCompensationSettings, HmmSettings, LabelPartsSettings,
+    LandmarkSettings, LogMelSettings, LookupSettings, PhoneClassesSettings, PhoneTrackSettings, PoseSettings,
+    ReferenceSettings, RenderSettings, ScreeningSettings, SpeakSettings, StackSettings, TableSettings, TrainingSettings,
     TrajectorySettings, TriphoneStateSettings, VideoSettings, VoiceSettings, WalkSettings,
 ]  # fmt: skip
 HEAVY = {"av", "torch", "cv2", "dlib", "pandas", "scipy", "matplotlib", "h5py", "pocketsphinx", "jsonschema"}

@@ -51,12 +51,12 @@ def fitted(kind, **settings):
 
 
 def test_the_kinds_are_the_modules():
-    assert block_kinds() == ["label_parts", "log_mel", "phone_classes", "phone_track", "triphone_state"]
+    assert block_kinds() == ["full_context", "label_parts", "log_mel", "phone_classes", "phone_track", "triphone_state"]
     for kind in block_kinds():
         cls = block_class(kind)
         assert cls.kind == kind and cls.__module__ == block_module(kind)
         assert cls.settings is None or issubclass(cls.settings, Settings)
-    known = "label_parts, log_mel, phone_classes, phone_track"
+    known = "full_context, label_parts, log_mel, phone_classes, phone_track"
     with pytest.raises(StorageError, match=f"kind 'triphones' is unknown. Known: {known}"):
         block_class("triphones")
 
