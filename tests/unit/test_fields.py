@@ -28,6 +28,7 @@ from visualspeech.face.head import PoseSettings
 from visualspeech.face.screening import ScreeningSettings
 from visualspeech.face.tracker import LandmarkSettings
 from visualspeech.features.blocks.base import block_class, block_kinds
+from visualspeech.features.blocks.full_context import FullContextSettings
 from visualspeech.features.blocks.label_parts import LabelPartsSettings
 from visualspeech.features.blocks.linguistic import LinguisticSettings
 from visualspeech.features.blocks.log_mel import LogMelSettings
@@ -59,11 +60,11 @@ from visualspeech.speech.spoken_settings import VoiceSettings
 
 CLASSES = [
     AamSettings, AlignmentSettings, BootstrapSettings, CheckSettings, ComparisonSettings, DemoSettings, DriftSettings,
-    EnsembleSettings, FittingSettings, GvCompensationSettings, HmmSettings, LabelPartsSettings, LandmarkSettings,
-    LinguisticSettings, LogMelSettings, LookupSettings, PhoneClassesSettings, PhoneSettings, PhoneTrackSettings,
-    PoseSettings, ReferenceSettings, RenderSettings, ScreeningSettings, SelectionSettings, SpeakSettings, StackSettings,
-    TableSettings, TrainingSettings, TrajectorySettings, TriphoneStateSettings, VideoSettings, VoiceSettings,
-    WalkSettings,
+    EnsembleSettings, FittingSettings, FullContextSettings, GvCompensationSettings, HmmSettings, LabelPartsSettings,
+    LandmarkSettings, LinguisticSettings, LogMelSettings, LookupSettings, PhoneClassesSettings, PhoneSettings,
+    PhoneTrackSettings, PoseSettings, ReferenceSettings, RenderSettings, ScreeningSettings, SelectionSettings,
+    SpeakSettings, StackSettings, TableSettings, TrainingSettings, TrajectorySettings, TriphoneStateSettings,
+    VideoSettings, VoiceSettings, WalkSettings,
 ]  # fmt: skip
 HEAVY = {"av", "torch", "cv2", "dlib", "pandas", "scipy", "matplotlib", "h5py", "pocketsphinx", "jsonschema"}
 BESIDE = {"minimum": -1, "above": 0, "maximum": 1, "below": 0}  # how far outside a bound a value is

@@ -45,7 +45,10 @@ class Family:
 
 
 _OF_STACKS = "a stack reads windows by a feed-forward layer. Begin `letters` with F, or name the block alone."
-_HMM_TITLES = {"monophone": "monophone HMM", "tied": "tied-state triphone HMM", "mge": "MGE-trained HMM"}
+_HMM_TITLES = {
+    "geometric": {"monophone": "monophone HMM", "tied": "tied-state triphone HMM", "mge": "MGE-trained HMM"},
+    "gaussian": {"monophone": "monophone HSMM", "tied": "tied-state quinphone HSMM", "mge": "MGE-trained HSMM"},
+}
 
 FAMILIES = {
     "stack": Family(
@@ -60,7 +63,7 @@ FAMILIES = {
     "hmm": Family(
         "visualspeech.models.hmm.family",
         "visualspeech.models.hmm.model:HmmSettings",
-        title=lambda name, settings: _HMM_TITLES[settings["variant"]],
+        title=lambda name, settings: _HMM_TITLES[settings["durations"]][settings["variant"]],
         reads=(1, 1),
         made_from=lambda settings: settings["variant"] != "monophone",
     ),

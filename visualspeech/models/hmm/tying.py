@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from visualspeech.models.hmm.questions import Questions
+from visualspeech.models.hmm.segments import ContextLayout, Factor
 
 
 @dataclass(frozen=True)
@@ -17,12 +18,13 @@ class Tying:
     ----------
     roots : (S, K) node or leaf at which state s of phone k starts
     positions : (nodes,) column of the context that a node asks about
-    members : (nodes, K) bool, phones for which the answer is yes
+    members : (nodes, V) bool, phones or numbers for which the answer is yes
     branches : (nodes, 2) node or leaf after no and after yes
     columns : number of columns C of a context that hold phones
     centre : column of the phone itself
     divisions : number D of divisions of a phone, each with S / D of its states; a further last column of the contexts
         holds the number of the division. 1: phones are not divided
+    factors : columns of numbers that follow those of the phones
     """
 
     roots: np.ndarray
@@ -32,11 +34,12 @@ class Tying:
     columns: int
     centre: int
     divisions: int = 1
+    factors: tuple[Factor, ...] = ()
 
     @property
-    def layout(self) -> tuple[int, int, int]:
+    def layout(self) -> ContextLayout:
         """As :attr:`visualspeech.models.hmm.segments.PhoneTrack.layout`."""
-        return self.columns, self.centre, self.divisions
+        return ContextLayout(self.columns, self.centre, self.divisions, self.factors)
 
     @property
     def unit_states(self) -> int:
@@ -66,11 +69,12 @@ def units(contexts: np.ndarray, centre: int, divisions: int) -> np.ndarray:
     return contexts[:, centre] if divisions == 1 else contexts[:, centre] * divisions + contexts[:, -1]
 
 
-def monophones(phones: int, states: int, columns: int = 3, centre: int = 1, divisions: int = 1) -> Tying:
-    """One Gaussian for each state of each phone, the same in every context; layout as in :class:`Tying`."""
+def monophones(phones: int, states: int, layout: ContextLayout = ContextLayout(3, 1)) -> Tying:  # noqa: B008
+    """One Gaussian for each state of each phone, the same in every context; the default layout is that of triphones."""
     roots = -1 - np.arange(phones * states).reshape(phones, states).T
-    nodes = np.zeros(0, int), np.zeros((0, phones), bool), np.zeros((0, 2), int)
-    return Tying(roots, *nodes, columns, centre, divisions)
+    width = max(layout.sizes(phones)[: layout.columns + len(layout.factors)])
+    nodes = np.zeros(0, int), np.zeros((0, width), bool), np.zeros((0, 2), int)
+    return Tying(roots, *nodes, *layout)
 
 
 @dataclass(frozen=True)
@@ -79,7 +83,7 @@ class Cases:
 
     Parameters
     ----------
-    contexts : (M, C) phone indices
+    contexts : (M, C) phone indices and numbers
     states : (M,) number of the state in its phone
     occupancy : (M,) expected frames
     first, second : (M, D) sums over frames of the observation and of its square
@@ -123,6 +127,7 @@ def grow(
     mdl: float = 1.0,
     of_each_phone: bool = False,
     divisions: int = 1,
+    factors: tuple[Factor, ...] = (),
 ) -> Tying:
     """Decision trees that tie the states of phones in context (Odell 1995); each split maximises the likelihood.
 
@@ -140,6 +145,7 @@ def grow(
     mdl : weight of the description length; 1: as published, less: more Gaussians
     of_each_phone : one tree for each state of each phone, else one for each state of all phones together
     divisions : of the phones, whose number the last column of the contexts then holds
+    factors : columns of the contexts that follow those of the phones
     """
     nodes: list[tuple[int, np.ndarray, list[int]]] = []
     leaves = 0
@@ -167,11 +173,12 @@ def grow(
     return Tying(
         roots,
         np.array([node[0] for node in nodes], int),
-        np.array([node[1] for node in nodes], bool).reshape(len(nodes), phones),
+        np.array([node[1] for node in nodes], bool).reshape(len(nodes), questions.members.shape[1]),
         np.array([node[2] for node in nodes], int).reshape(len(nodes), 2),
-        cases.contexts.shape[1] - (divisions > 1),
+        cases.contexts.shape[1] - len(factors) - (divisions > 1),
         centre,
         divisions,
+        factors,
     )
 
 
@@ -184,12 +191,15 @@ def _best_split(part: Cases, questions: Questions, floor: np.ndarray, min_frames
     if not len(able):
         return None
     # Of questions that split these cases in the same way, only the first is tried.
-    _, first = np.unique(np.packbits(answers[able], axis=1), axis=0, return_index=True)
+    # So are opposite answers.
+    alike = answers[able] ^ answers[able, :1]
+    _, first = np.unique(np.packbits(alike, axis=1), axis=0, return_index=True)
     able = able[np.sort(first)]
     chosen = answers[able].astype(float)
     sums = (part.occupancy, part.first, part.second)
-    masks = (chosen, 1 - chosen, np.ones(len(part.occupancy)))
-    yes, no, together = (log_likelihood(*(mask @ values for values in sums), floor) for mask in masks)
-    gain = yes + no - together
+    whole = [values.sum(axis=0) for values in sums]
+    held = [chosen @ values for values in sums]
+    rest = [all_of_them - yes for all_of_them, yes in zip(whole, held, strict=True)]
+    gain = log_likelihood(*held, floor) + log_likelihood(*rest, floor) - log_likelihood(*whole, floor)
     best = int(np.argmax(gain))
     return float(gain[best]), int(able[best]), answers[able[best]]
