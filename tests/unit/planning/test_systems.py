@@ -223,6 +223,17 @@ MISTAKES = [
      "`systems.fan2015.tables.ablation.rows.network` names 1 models; it must name one for each of the 2 `columns`"),
     (changed(tables={"ablation": {"columns": ["one"], "rows": {name: None for name in ABLATION} | {"x": ["nets"]}}}),
      "`systems.fan2015.tables.ablation.rows.x` names 1 models; .* there must be two"),
+    (changed(tables={"selections": {"mine": {"rows": ["net"]}}}),
+     r"`systems.fan2015.tables.selections.mine.rows.0: net` is no entry .*Did you mean `nets`"),
+    (changed(tables={"selections": {"mine": {"rows": ["nets"], "reference": "hmm_mge"}}}),
+     "`systems.fan2015.tables.selections.mine.reference: hmm_mge` is no row of this table. Known: nets"),
+    (changed(tables={"selections": {"gains": {"rows": ["nets"]}}}),
+     "`systems.fan2015.tables.selections.gains`: gains is the name of another table"),
+    (changed(tables={"selections": {"mine": {"rows": ["nets"], "down": "letters"}}}),
+     "`systems.fan2015.tables.selections.mine.down: letters` must be given together with `across`"),
+    (changed(tables={"selections": {"mine": {"metrics": ["rmse"]}}}),
+     "`systems.fan2015.tables.selections.mine.metrics.0: rmse` must be one of rmse_shape"),
+    (changed(trajectories={"models": ["FBB"]}), "`systems.fan2015.trajectories.models.0: FBB` is no model of"),
     (changed(tables={"metrics": ["rmse"]}), "`systems.fan2015.tables.metrics.0: rmse` must be one of rmse_shape"),
     (changed(published="fan2016"), "fan2016"),
     (changed(seeds=[1, 1]), r"`systems.fan2015.seeds: \[1, 1\]` names 1 more than once"),
@@ -278,3 +289,29 @@ def test_the_longest_name_of_a_model_fits_in_a_file_system():
     assert 64 + 33 == len(max(names, key=len)) < MAX_ID
     with pytest.raises(SettingError, match=r"nets.letters.0: F{80}.*at most 16"):
         resolved({"override": {"systems": {"fan2015": {"models": {"nets": {"letters": ["F" * 300]}}}}}})
+
+
+def test_tables_of_chosen_rows_name_rows_and_their_reference():
+    plain = resolved({"systems": ["thangthai2016"]})["systems"]["thangthai2016"]
+    units, layers = plain["tables"]["selections"]["units"], plain["tables"]["selections"]["layers"]
+    assert (
+        units["rows"][:2] == ["hsmm", "phone"]
+        and units["reference"] == "phone"
+        and units["rows"][-1] == "training_mean"
+    )
+    grid = [row["name"] for row in plain["rows"] if row["group"] == "grid"]
+    assert layers["rows"] == grid and len(grid) == 4
+    left_out = resolved({"systems": ["thangthai2016"], "override": {"systems": {"thangthai2016": {
+        "models": {"grid": None}, "tables": {"selections": {"units": None}}}}}})  # fmt: skip
+    tables = left_out["systems"]["thangthai2016"]["tables"]["selections"]
+    assert "units" not in tables and tables["layers"]["rows"] == []
+
+
+def test_rows_that_read_the_recorded_face_are_told_apart():
+    plain = resolved({"systems": ["thangthai2016"]})["systems"]["thangthai2016"]
+    roles = {row["name"]: row["role"] for row in plain["rows"]}
+    assert {name for name, role in roles.items() if role == "oracle"} == {
+        "dv_oracle", "phone_dv_oracle", *(row["name"] for row in plain["rows"] if row["group"] == "grid")
+    }  # fmt: skip
+    assert roles["phone_dv_predicted"] == roles["phone"] == roles["hsmm"] == "model"
+    assert plain["preference"]["models"] == ["phone_dv_predicted", "hsmm"]
