@@ -19,6 +19,7 @@ from visualspeech.errors import SettingError, StorageError
 from visualspeech.evaluation.comparisons import ComparisonSettings
 from visualspeech.evaluation.statistics import BootstrapSettings
 from visualspeech.evaluation.tables import TableSettings
+from visualspeech.evaluation.viseme_numbers import VisemeNumberSettings
 from visualspeech.face.aam.fitting.model import FittingSettings
 from visualspeech.face.aam.model import AamSettings
 from visualspeech.face.aam.reference import ReferenceSettings
@@ -64,7 +65,7 @@ CLASSES = [
     LandmarkSettings, LinguisticSettings, LogMelSettings, LookupSettings, PhoneClassesSettings, PhoneSettings,
     PhoneTrackSettings, PoseSettings, ReferenceSettings, RenderSettings, ScreeningSettings, SpeakSettings,
     StackSettings, TableSettings, TrainingSettings, TrajectorySettings, TriphoneStateSettings, VideoSettings,
-    VisemeContextSettings, VoiceSettings, WalkSettings,
+    VisemeContextSettings, VisemeNumberSettings, VoiceSettings, WalkSettings,
 ]  # fmt: skip
 HEAVY = {"av", "torch", "cv2", "dlib", "pandas", "scipy", "matplotlib", "h5py", "pocketsphinx", "jsonschema"}
 BESIDE = {"minimum": -1, "above": 0, "maximum": 1, "below": 0}  # how far outside a bound a value is

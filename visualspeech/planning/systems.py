@@ -11,7 +11,7 @@ from visualspeech.fields import section_schema, with_defaults
 from visualspeech.models.entries import model_mistakes
 from visualspeech.models.registry import expand
 from visualspeech.models.rows import ModelRow
-from visualspeech.planning.blocks import part_mistakes
+from visualspeech.planning.blocks import part_mistakes, viseme_number_mistakes
 from visualspeech.schema import check, mistakes, unknown
 from visualspeech.settings import merged, read_yaml
 
@@ -226,6 +226,7 @@ def complete_system(system: Mapping, seed: int) -> dict:
     seeds = system["seeds"] or [seed]
     rows = expand(system["models"], blocks, system["training"], seeds, f"{where}.models")
     found = part_mistakes(blocks, where)
+    found += viseme_number_mistakes(system["viseme_numbers"]["block"], blocks, where)
     found += _naming_mistakes(system, rows, where) + _sound_mistakes(system, blocks, rows, where)
     if found:
         raise SettingError("\n".join(found))

@@ -390,5 +390,5 @@ def test_recorded_parameters_are_read_when_a_block_asks_for_them(tmp_path):
         found = base.read_sources(None, targets, ["a", "b"], faces=True)
         assert base.read_sources(None, targets, ["a"])["a"].parameters is None
         assert np.array_equal(np.asarray(found["b"].parameters), FACES[1]) and found["b"].id == "b"
-        sources = base.TrainingSources([], targets, ["a"], faces=True)
+        sources = base.Sources([], targets, ["a"], faces=True)
         assert [one.id for one in sources] == [one.id for one in sources] == ["a"]  # any number of passes

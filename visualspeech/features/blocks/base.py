@@ -261,8 +261,8 @@ def read_sources(
 
 
 @dataclass(frozen=True)
-class TrainingSources:
-    """The training utterances of all shards, read anew each time that they are gone through.
+class Sources:
+    """Some utterances of all shards, read anew each time that they are gone through.
 
     Parameters
     ----------
