@@ -23,6 +23,14 @@ def part_mistakes(blocks: Mapping[str, Mapping], where: str) -> list[str]:
     return found
 
 
+def viseme_number_mistakes(block: str, blocks: Mapping[str, Mapping], where: str) -> list[str]:
+    """What is wrong with the block whose number of classes the target ``viseme_numbers`` varies; empty: the first."""
+    known = [name for name, one in blocks.items() if one["kind"] == "dynamic_visemes"]
+    if not block or block in known:
+        return []
+    return [unknown(f"{where}.viseme_numbers.block", block, known, "input block of kind dynamic_visemes")]
+
+
 def read_faces(reads: Iterable[str], blocks: Mapping[str, Mapping]) -> list[str]:
     """Of the blocks that a row reads, those that are computed from a recorded face, which new speech does not have."""
     found = []

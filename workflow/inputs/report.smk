@@ -85,6 +85,7 @@ def reported(wildcards):
             "findings": of_coding("findings.tsv")(one),
             "coding": of_coding("model.safetensors")(one),
             "reference": of_coding("reference.safetensors")(one),
+            "visemes": drawn_visemes(one),
             "model": system_of(one)["videos"]["model"],
             "predictions": shown_model("predictions.h5")(one),
             "videos": filled("<system>/videos", one)[0],

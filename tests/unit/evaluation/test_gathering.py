@@ -49,6 +49,7 @@ def given(folder):
         "rows": [row.plain() for row in rows],
         "curves": [str(folder / f"{row.name}.tsv") for row in rows],
         "coding": "",
+        "visemes": [],
         "reference": "",
         "predictions": arrays(folder / "predictions.h5", "appearance", 10, "bcd"),
         "model": "FBB-64",

@@ -154,7 +154,7 @@ def encoding_needs(block: "type[Block] | Block", settings: Mapping | None = None
 
 
 def parts_of(block: "type[Block]") -> Mapping[str, str]:
-    """Settings of a block of this class that name another block, which it is computed from -> kind of that block."""
+    """Settings of a block of this class that name another block, which it is computed from -> the kind of that one."""
     return getattr(block, "made_of", {})
 
 
@@ -266,8 +266,8 @@ def read_sources(
 
 
 @dataclass(frozen=True)
-class TrainingSources:
-    """The training utterances of all shards, read anew each time that they are gone through.
+class Sources:
+    """Some utterances of all shards, read anew each time that they are gone through.
 
     Parameters
     ----------
