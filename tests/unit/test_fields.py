@@ -44,6 +44,7 @@ from visualspeech.fields import (
     with_defaults,
 )
 from visualspeech.models.combined_settings import EnsembleSettings, GvCompensationSettings
+from visualspeech.models.dnn_settings import DnnSettings
 from visualspeech.models.families import FAMILIES
 from visualspeech.models.hmm.model import HmmSettings
 from visualspeech.models.lookup_settings import LookupSettings
@@ -55,10 +56,10 @@ from visualspeech.speech.forced_alignment import AlignmentSettings
 from visualspeech.speech.spoken_settings import VoiceSettings
 
 CLASSES = [
-    AamSettings, AlignmentSettings, BootstrapSettings, CheckSettings, ComparisonSettings, DemoSettings, DriftSettings,
-    EnsembleSettings, FittingSettings, GvCompensationSettings, HmmSettings, LabelPartsSettings, LandmarkSettings,
-    LogMelSettings, LookupSettings, PhoneClassesSettings, PhoneTrackSettings, PoseSettings, ReferenceSettings,
-    RenderSettings, ScreeningSettings, SpeakSettings, StackSettings, TableSettings, TrainingSettings,
+    AamSettings, AlignmentSettings, BootstrapSettings, CheckSettings, ComparisonSettings, DemoSettings, DnnSettings,
+    DriftSettings, EnsembleSettings, FittingSettings, GvCompensationSettings, HmmSettings, LabelPartsSettings,
+    LandmarkSettings, LogMelSettings, LookupSettings, PhoneClassesSettings, PhoneTrackSettings, PoseSettings,
+    ReferenceSettings, RenderSettings, ScreeningSettings, SpeakSettings, StackSettings, TableSettings, TrainingSettings,
     TrajectorySettings, TriphoneStateSettings, VideoSettings, VoiceSettings, WalkSettings,
 ]  # fmt: skip
 HEAVY = {"av", "torch", "cv2", "dlib", "pandas", "scipy", "matplotlib", "h5py", "pocketsphinx", "jsonschema"}
