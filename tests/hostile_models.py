@@ -16,6 +16,7 @@ import json
 import shutil
 import warnings
 from collections.abc import Iterator, Mapping
+from dataclasses import replace
 from pathlib import Path
 from typing import NamedTuple
 
@@ -38,7 +39,7 @@ from visualspeech.features.blocks.phone import Phone
 from visualspeech.features.blocks.phone_track import PhoneTrack, PhoneTrackSettings
 from visualspeech.features.blocks.triphone_state import TriphoneState
 from visualspeech.features.examples import Example
-from visualspeech.models import ensemble, gv_compensation, lookup, mean, stack
+from visualspeech.models import dnn, ensemble, gv_compensation, lookup, mean, stack
 from visualspeech.models.hmm import family as hmm
 from visualspeech.models.registry import load_model
 from visualspeech.models.rows import ModelRow
@@ -52,7 +53,10 @@ from visualspeech.storage.models import read_model, write_model
 PHONES = ("sil", "aa", "b", "iy", "m", "s")
 #: One of each family, a stack that reads sound, one of contextual features, and a network of convolutions with dynamic
 #: outputs.
-MODELS = ("stack", "convolutions", "hmm", "lookup", "mean", "ensemble", "gv_compensation", "linguistic", "sound")
+MODELS = (
+    "stack", "convolutions", "dnn", "hmm", "lookup", "mean", "ensemble", "gv_compensation", "linguistic", "sound"
+)  # fmt: skip
+BY_FRAME = {"batcher": "shuffled_frames", "objective": "mse", "scaling": "dimension"}
 WHOLE = 0.02  # share of the cases that load a whole folder and render it
 RENDERED = 0.2  # share of the loaded folders of which a frame is rendered, which takes longest
 SLOW = {"background": 0.3, "speaker": 0.3, "rest": 0.2}  # weights of parts whose cases take longest; others have 1
@@ -102,6 +106,10 @@ def make(folder: Path) -> Path:
     features = Linguistic.fit({}, PHONES, [Source(25, 25.0, spoken(PHONES[1:])), Source(25, 25.0, spoken(PHONES[3:]))])
     contextual = task("stack", {"letters": "F", "nodes": 4}, Phone(PHONES), features, options={"max_epochs": 2})
     stack.fit(contextual).model.save(made / "model_linguistic.safetensors")
+    settings = {"layers": 2, "nodes": 4, "trajectory": "mlpg"}
+    windowed = task("dnn", settings, TriphoneState(PHONES), options={"max_epochs": 2, **BY_FRAME})
+    windowed = replace(windowed, row=replace(windowed.row, windows={"triphone_state": 0.12}))
+    dnn.fit(windowed).model.save(made / "model_dnn.safetensors")
     members = [made / f"model_{name}.safetensors" for name in ("convolutions", "hmm", "lookup")]
     blocks = TriphoneState(PHONES), track
     ensemble.fit(task("ensemble", {}, *blocks, parents=members)).model.save(made / "model_ensemble.safetensors")

@@ -13,7 +13,7 @@ from visualspeech.models.task import Fitted, Task, check_examples
 from visualspeech.models.training import train
 from visualspeech.models.training_settings import TrainingSettings
 from visualspeech.models.trajectory.generation import MAX_STEP, step_of
-from visualspeech.models.trajectory.mlpg import Mlpg, Observed, error_variance
+from visualspeech.models.trajectory.mlpg import Mlpg, Observed, error_variance, target_variance
 from visualspeech.models.trajectory.settings import TrajectorySettings
 from visualspeech.provenance import code_digest
 
@@ -72,7 +72,10 @@ def fit_network(
 
 
 def _generating(network: Network, training: Observed, settings: TrajectorySettings) -> Network:
-    """The network with the trajectory of its outputs; its variances are those of its errors on training utterances."""
+    """The network with the trajectory of its outputs; its variances are learned from training utterances."""
     utterances = (training[number] for number in range(len(training)))
-    errors = (network.observed(one.streams) - one.target for one in utterances)
-    return replace(network, mlpg=Mlpg(error_variance(errors), settings.delta_step))
+    if settings.trajectory_variance == "targets":
+        variance = target_variance(one.target for one in utterances)
+    else:
+        variance = error_variance(network.observed(one.streams) - one.target for one in utterances)
+    return replace(network, mlpg=Mlpg(variance, settings.delta_step))

@@ -152,7 +152,7 @@ def reads_windows(settings: StackSettings, layouts: Sequence[Layout]) -> bool:
     if not any(layout.window for layout in layouts):
         return False
     if not settings.letters.startswith("F"):
-        rule = "begin with F: windows of inputs are read by a feed-forward layer"
+        rule = "letters of which the first is F, which reads windows of inputs"
         raise setting_error(StackSettings, "letters", settings.letters, rule)
     return True
 
