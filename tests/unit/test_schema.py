@@ -252,7 +252,7 @@ def selected(changes):
         ),
         (
             system("blocks: {tri: {kind: triphone}}"),
-            rf"`{FAN}.blocks.tri.kind: triphone` must be one of label_parts, linguistic, l",
+            rf"`{FAN}.blocks.tri.kind: triphone` must be one of dynamic_visemes, label_parts, l",
         ),
         (
             system("blocks: {tri: {size: 1}}"),

@@ -50,7 +50,8 @@ def speaking_mistakes(model: str, rows: Iterable[Mapping], blocks: Mapping[str, 
     if not faces:
         return []
     able = [row["name"] for row in rows if row["role"] == "model" and not read_faces(row["reads"], blocks)]
+    others = ", ".join(able) or "the system has none"
     return [
         f"`speak.model: {model}` reads dynamic visemes of the recording (input block {', '.join(faces)}, `source: "
-        f"oracle`), and new text has none; name a model with predicted ones: {', '.join(able) or 'the system has none'}."
+        f"oracle`), and new text has none; name a model with predicted ones: {others}."
     ]

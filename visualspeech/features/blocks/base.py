@@ -154,7 +154,7 @@ def encoding_needs(block: "type[Block] | Block", settings: Mapping | None = None
 
 
 def parts_of(block: "type[Block]") -> Mapping[str, str]:
-    """Settings of a block of this class that name another block of the system, which it is computed from -> its kind."""
+    """Settings of a block of this class that name another block, which it is computed from -> the kind of that one."""
     return getattr(block, "made_of", {})
 
 

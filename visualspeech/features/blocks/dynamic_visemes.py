@@ -18,6 +18,7 @@ from visualspeech.storage.layouts import PHONES, Array, FileLayout, check_arrays
 from visualspeech.storage.models import part_of
 
 MAX_CLASSES = 10_000
+LARGEST = 2**56  # value of an array of the state: digests of ids
 _SMOOTHING, _LENGTH, _FOLDS = (0.001, 1.0), (0.0, 10.0), (2, 10)
 SOURCES = ("oracle", "predicted")
 
@@ -71,7 +72,7 @@ class DynamicVisemes:
             "means": Array("f", ("N", POINTS, "D"), -1e9, 1e9),
             "counts": Array("iu", ("N",), 0, 1e12),
             "text.*": Array("fiu", None),
-            "crossfit.*": Array("fiu", None),
+            "crossfit.*": Array("fiu", None, high=LARGEST),
         },
         {
             "phones": PHONES,
@@ -217,7 +218,7 @@ _TEXT = {
     "follows": Array("f", ("L", "N"), -1e3, 0),
 }
 _CROSSFIT = {
-    "training": Array("iu", ("U",), 0, 2**56),
+    "training": Array("iu", ("U",), 0, LARGEST),
     "weights": Array("f", ("K", "F", "M"), -1e9, 1e9),
     "offsets": Array("f", ("K", "M"), -1e9, 1e9),
 }

@@ -6,10 +6,9 @@ from typing import ClassVar
 
 import numpy as np
 
-from visualspeech.errors import SettingError
 from visualspeech.features.blocks.base import Source, restore
-from visualspeech.features.blocks.dynamic_visemes import DynamicVisemes
-from visualspeech.features.counts import COUNT_ARRAYS, Counts, fit_counts
+from visualspeech.features.blocks.dynamic_visemes import LARGEST, DynamicVisemes
+from visualspeech.features.counts import COUNTS, Counts, fit_counts
 from visualspeech.features.linguistic import Columns
 from visualspeech.features.streams import Layout, Stream
 from visualspeech.features.viseme_contexts import FEATURES, sizes_of, viseme_columns
@@ -59,8 +58,9 @@ class VisemeContext:
     made_of: ClassVar[Mapping[str, str]] = {"visemes": DynamicVisemes.kind}
     settings: ClassVar[type | None] = VisemeContextSettings
     stored: ClassVar[FileLayout] = FileLayout(
-        {**COUNT_ARRAYS, "visemes.*": Array("fiu", None)},
+        {"visemes.*": Array("fiu", None, high=LARGEST)},
         {
+            "counts": COUNTS,
             "visemes": {"type": "object"},
             "name": {"type": "string", "maxLength": 32},
             "features": {"type": "array", "minItems": 1, "uniqueItems": True, "items": {"enum": list(FEATURES)}},
@@ -119,7 +119,7 @@ class VisemeContext:
         Raises
         ------
         DataError
-            The visemes are those of a recorded face and there is none, or the alignment has phones that are not ARPAbet.
+            The visemes are those of a recorded face and there is none, or a phone is not ARPAbet.
         """
         for one in sources:
             found = _columns(self.visemes, one, self.options)
@@ -132,7 +132,8 @@ class VisemeContext:
 
     def state(self) -> tuple[dict[str, np.ndarray], dict]:
         arrays, plain = self.visemes.state()
-        return {**self.counts.arrays(), **{f"visemes.{name}": values for name, values in arrays.items()}}, {
+        return {f"visemes.{name}": values for name, values in arrays.items()}, {
+            "counts": self.counts.plain(),
             "visemes": plain,
             "name": self.options.visemes,
             "features": list(self.options.features),
@@ -152,10 +153,7 @@ class VisemeContext:
         """
         options = VisemeContextSettings(plain["name"], tuple(plain["features"]), plain["long_pause"])
         visemes = restore(DynamicVisemes.kind, part_of(arrays, "visemes"), plain["visemes"])
-        wanted = sizes_of(options.features, len(visemes.classes)).counts
-        counts = Counts(**{name: values for name, values in arrays.items() if not name.startswith("visemes.")})
-        if len(counts.mean) != wanted:
-            raise SettingError(f"there are statistics of {len(counts.mean)} counts, the features have {wanted}.")
+        counts = Counts.of(plain["counts"], sizes_of(options.features, len(visemes.classes)).counts)
         return cls(visemes, counts, options)
 
 

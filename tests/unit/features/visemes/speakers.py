@@ -15,7 +15,7 @@ TARGETS = np.random.default_rng(8).normal(0, 10, (len(PHONES), 4))
 
 
 def source(name, labels, noise=0.5, seed=0):
-    """One utterance of phones of equal length, between pauses, whose face glides from one phone's target to the next."""
+    """One utterance of equally long phones between pauses, whose face glides from one phone's target to the next."""
     spoken = [(SILENCE, [SILENCE]), *((label, [label]) for label in labels), (SILENCE, [SILENCE])]
     alignment = even_alignment(spoken, SECONDS)
     frames = round(alignment.duration * RATE)
