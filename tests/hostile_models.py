@@ -33,6 +33,7 @@ from visualspeech.face.aam.model import Aam
 from visualspeech.face.aam.reference import Reference, texture_image
 from visualspeech.face.head import HeadModel
 from visualspeech.features.blocks.base import Source
+from visualspeech.features.blocks.full_context import FullContext
 from visualspeech.features.blocks.phone_track import PhoneTrack, PhoneTrackSettings
 from visualspeech.features.blocks.triphone_state import TriphoneState
 from visualspeech.features.examples import Example
@@ -48,8 +49,9 @@ from visualspeech.storage.arrays import ArrayReader
 from visualspeech.storage.models import read_model, write_model
 
 PHONES = ("sil", "aa", "b", "iy", "m", "s")
-#: One of each family, a stack that reads sound, and a network of convolutions with dynamic outputs.
-MODELS = ("stack", "convolutions", "hmm", "lookup", "mean", "ensemble", "gv_compensation", "sound")
+#: One of each family, HSMMs that read numbers beside phones, a stack that reads sound, and a network of convolutions with
+#: dynamic outputs.
+MODELS = ("stack", "convolutions", "hmm", "hsmm", "lookup", "mean", "ensemble", "gv_compensation", "sound")
 WHOLE = 0.02  # share of the cases that load a whole folder and render it
 RENDERED = 0.2  # share of the loaded folders of which a frame is rendered, which takes longest
 SLOW = {"background": 0.3, "speaker": 0.3, "rest": 0.2}  # weights of parts whose cases take longest; others have 1
@@ -89,6 +91,10 @@ def make(folder: Path) -> Path:
     hmm.fit(task("hmm", {**small, "variant": "monophone"}, track)).model.save(made / "parent.safetensors")
     tied = task("hmm", {**small, "variant": "tied"}, track, parents=[made / "parent.safetensors"])
     hmm.fit(tied).model.save(made / "model_hmm.safetensors")
+    context, small = FullContext(PHONES), {**small, "durations": "gaussian"}
+    hmm.fit(task("hmm", {**small, "variant": "monophone"}, context)).model.save(made / "parent.safetensors")
+    tied = task("hmm", {**small, "variant": "tied"}, context, parents=[made / "parent.safetensors"])
+    hmm.fit(tied).model.save(made / "model_hsmm.safetensors")
     settings = {"context": "triphone", "min_count": 2}
     lookup.fit(task("lookup", settings, TriphoneState(PHONES))).model.save(made / "model_lookup.safetensors")
     mean.fit(task("mean", {}, TriphoneState(PHONES))).model.save(made / "model_mean.safetensors")
