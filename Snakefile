@@ -138,12 +138,12 @@ rule videos:
 
 rule speaker:
     input:
-        speaker_folders(),
+        speaker_folders,
 
 
 rule speak:
     input:
-        spoken_videos(),
+        spoken_videos,
 
 
 rule preference:

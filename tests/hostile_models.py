@@ -34,6 +34,8 @@ from visualspeech.face.aam.reference import Reference, texture_image
 from visualspeech.face.head import HeadModel
 from visualspeech.features.blocks.base import Source
 from visualspeech.features.blocks.full_context import FullContext
+from visualspeech.features.blocks.linguistic import Linguistic
+from visualspeech.features.blocks.phone import Phone
 from visualspeech.features.blocks.phone_track import PhoneTrack, PhoneTrackSettings
 from visualspeech.features.blocks.triphone_state import TriphoneState
 from visualspeech.features.examples import Example
@@ -49,9 +51,20 @@ from visualspeech.storage.arrays import ArrayReader
 from visualspeech.storage.models import read_model, write_model
 
 PHONES = ("sil", "aa", "b", "iy", "m", "s")
-#: One of each family, HSMMs that read numbers beside phones, a stack that reads sound, and a network of convolutions with
-#: dynamic outputs.
-MODELS = ("stack", "convolutions", "hmm", "hsmm", "lookup", "mean", "ensemble", "gv_compensation", "sound")
+#: One of each family, HSMMs that read numbers beside phones, a stack that reads sound, one of contextual features, and a
+#: network of convolutions with dynamic outputs.
+MODELS = (
+    "stack",
+    "convolutions",
+    "hmm",
+    "hsmm",
+    "lookup",
+    "mean",
+    "ensemble",
+    "gv_compensation",
+    "linguistic",
+    "sound",
+)
 WHOLE = 0.02  # share of the cases that load a whole folder and render it
 RENDERED = 0.2  # share of the loaded folders of which a frame is rendered, which takes longest
 SLOW = {"background": 0.3, "speaker": 0.3, "rest": 0.2}  # weights of parts whose cases take longest; others have 1
@@ -102,6 +115,9 @@ def make(folder: Path) -> Path:
     settings = {"letters": "FC", "nodes": 4, "trajectory": "mlpg"}
     convolutions = task("stack", settings, TriphoneState(PHONES), options={"max_epochs": 2})
     stack.fit(convolutions).model.save(made / "model_convolutions.safetensors")
+    features = Linguistic.fit({}, PHONES, [Source(25, 25.0, spoken(PHONES[1:])), Source(25, 25.0, spoken(PHONES[3:]))])
+    contextual = task("stack", {"letters": "F", "nodes": 4}, Phone(PHONES), features, options={"max_epochs": 2})
+    stack.fit(contextual).model.save(made / "model_linguistic.safetensors")
     members = [made / f"model_{name}.safetensors" for name in ("convolutions", "hmm", "lookup")]
     blocks = TriphoneState(PHONES), track
     ensemble.fit(task("ensemble", {}, *blocks, parents=members)).model.save(made / "model_ensemble.safetensors")

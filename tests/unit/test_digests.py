@@ -18,6 +18,8 @@ ROWS = {
     "rich": ("stack", ["triphone_state", "label_parts"]),
     "classes": ("stack", ["phone_classes"]),
     "heard": ("stack", ["log_mel"]),
+    "context": ("stack", ["phone", "linguistic"]),
+    "visemes": ("stack", ["dynamic_visemes", "viseme_context"]),
     "hmm": ("hmm", ["phone_track"]),
     "hsmm": ("hmm", ["full_context"]),
     "lookup": ("lookup", ["triphone_state"]),
@@ -28,7 +30,7 @@ ROWS = {
 #: Rows that a row is made of; their code is part of its own.
 PARENTS = {"ensemble": ("stack", "hmm"), "gv": ("stack",)}
 #: Rows of networks, and those that are made of some.
-NETWORKS = {"stack", "rich", "classes", "heard", "ensemble", "gv"}
+NETWORKS = {"stack", "rich", "classes", "heard", "context", "visemes", "ensemble", "gv"}
 
 
 @pytest.fixture
@@ -104,13 +106,19 @@ def test_the_copy_has_the_digests_of_the_original(package, monkeypatch):
         ("models/registry.py", set()),
         ("models/rest.py", set()),
         ("models/inventory.py", set()),
-        ("features/blocks/triphone_state.py", (NETWORKS | {"lookup"}) - {"classes", "heard"}),
+        ("features/blocks/triphone_state.py", (NETWORKS | {"lookup"}) - {"classes", "heard", "context", "visemes"}),
         ("features/blocks/label_parts.py", {"rich"}),
         ("features/blocks/phone_track.py", {"hmm", "ensemble"}),
         ("features/blocks/phone_classes.py", {"classes"}),
-        ("speech/phone_classes.py", {"hmm", "hsmm", "classes", "ensemble"}),
+        ("speech/phone_classes.py", {"hmm", "hsmm", "classes", "context", "visemes", "ensemble"}),
         ("features/blocks/log_mel.py", {"heard"}),
         ("speech/acoustics.py", {"heard"}),
+        ("features/blocks/linguistic.py", {"context"}),
+        ("features/linguistic.py", {"context", "visemes"}),
+        ("features/unit_contexts.py", {"context", "visemes"}),
+        ("features/blocks/dynamic_visemes.py", {"visemes"}),
+        ("features/blocks/viseme_context.py", {"visemes"}),
+        ("features/visemes/prediction.py", {"visemes"}),
         ("speech/segmentation.py", set()),
         ("planning/run.py", set()),
         ("planning/systems.py", set()),

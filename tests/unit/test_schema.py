@@ -239,8 +239,20 @@ def selected(changes):
             rf"`{FAN}.blocks.parts.parts: .* names stress more than",
         ),
         (
+            system("blocks: {ctx: {kind: linguistic, features: [position, tone]}}"),
+            f"`{FAN}.blocks.ctx.features.1: tone` must be one of position, number_of_frames, forward_span, acoustic_cl",
+        ),
+        (
+            system("blocks: {ctx: {kind: linguistic, features: [word, position, word]}}"),
+            rf"`{FAN}.blocks.ctx.features: .* names word more than once",
+        ),
+        (
+            system("blocks: {ph: {kind: phone, long_pause: -1}}"),
+            f"`{FAN}.blocks.ph.long_pause: -1` must be at least 0",
+        ),
+        (
             system("blocks: {tri: {kind: triphone}}"),
-            rf"`{FAN}.blocks.tri.kind: triphone` must be one of label_parts, log_mel, p",
+            rf"`{FAN}.blocks.tri.kind: triphone` must be one of dynamic_visemes, label_parts, l",
         ),
         (
             system("blocks: {tri: {size: 1}}"),

@@ -371,7 +371,7 @@ def test_planning_imports_nothing_heavy():
         f"print(*({HEAVY!r} & set(sys.modules)))"
     )
     done = subprocess.run([sys.executable, "-c", code], cwd=REPOSITORY, capture_output=True, text=True, check=True)
-    assert done.stdout.split() == [] and len(modules) == 4
+    assert done.stdout.split() == [] and len(modules) == 5
 
 
 def test_the_examples_of_the_reference_are_taken():

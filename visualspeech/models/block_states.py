@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 
 from visualspeech.errors import DamagedFile
-from visualspeech.features.blocks.base import Block, load_block, restore
+from visualspeech.features.blocks.base import Block, for_new_speech, load_block, restore
 from visualspeech.storage.layouts import TEXT, Array
 from visualspeech.storage.models import part_of
 
@@ -17,11 +17,11 @@ def load_blocks(paths: Mapping[str, str]) -> dict[str, Block]:
 
 
 def pack(blocks: Mapping[str, Block]) -> tuple[dict[str, np.ndarray], list[dict]]:
-    """Arrays (named ``blocks.<number>.<name>``) and plain data of blocks, in their order."""
+    """Arrays (named ``blocks.<number>.<name>``) and plain data of blocks, in their order, as new speech needs them."""
     arrays: dict[str, np.ndarray] = {}
     plain = []
     for number, (name, block) in enumerate(blocks.items()):
-        own, state = block.state()
+        own, state = for_new_speech(block).state()
         arrays |= {f"blocks.{number}.{key}": values for key, values in own.items()}
         plain.append({"name": name, "kind": block.kind, "state": state})
     return arrays, plain

@@ -1,6 +1,6 @@
 # The system, visual coding and row that a job belongs to.
 from visualspeech.face.point_sets import point_set_path
-from visualspeech.features.blocks.base import block_class, block_module, needs_of
+from visualspeech.features.blocks.base import block_class, block_module, needs_of, parts_of
 from visualspeech.models.families import FAMILIES
 from visualspeech.models.lips import WEIGHTS
 from visualspeech.models.registry import code_modules
@@ -65,12 +65,22 @@ def alignment_of_lips(wildcards):
     return shards("<corpus>/alignment/{shard}.tsv")(wildcards) if asked else []
 
 
+def block_of(wildcards):
+    """Kind and settings of the input block that a job fits or encodes."""
+    return system_of(wildcards)["blocks"][wildcards.block]
+
+
+def parts_of_block(wildcards):
+    """Names of the other input blocks that a job's block is computed from."""
+    own = block_of(wildcards)
+    return [own["settings"][key] for key in parts_of(block_class(own["kind"]))]
+
+
 def where_needed(need, pattern):
     """Input function: files of the job's shard, or of all shards, if its input block is computed from ``need``."""
 
     def paths(wildcards):
-        kind = system_of(wildcards)["blocks"][wildcards.block]["kind"]
-        if need not in needs_of(block_class(kind)):
+        if need not in needs_of(block_class(block_of(wildcards)["kind"])):
             return []
         own = {} if hasattr(wildcards, "shard") else {"shard": PLAN.corpora[wildcards.corpus].shards}
         return filled(pattern, wildcards, **own)
