@@ -51,7 +51,7 @@ from visualspeech.storage.arrays import ArrayReader
 from visualspeech.storage.models import read_model, write_model
 
 PHONES = ("sil", "aa", "b", "iy", "m", "s")
-#: One of each family, HSMMs that read numbers beside phones, a stack that reads sound, one of contextual features, and a
+#: One of each family, HSMMs that read numbers beside phones, a stack of sound, one of contextual features, and a
 #: network of convolutions with dynamic outputs.
 MODELS = (
     "stack",

@@ -11,7 +11,7 @@ from visualspeech.fields import section_schema, with_defaults
 from visualspeech.models.entries import model_mistakes
 from visualspeech.models.registry import expand
 from visualspeech.models.rows import ModelRow
-from visualspeech.planning.blocks import part_mistakes
+from visualspeech.planning.blocks import part_mistakes, segment_mistakes
 from visualspeech.schema import check, mistakes, unknown
 from visualspeech.settings import merged, read_yaml
 
@@ -225,7 +225,7 @@ def complete_system(system: Mapping, seed: int) -> dict:
     blocks = {name: _block(block, f"{where}.blocks.{name}") for name, block in system["blocks"].items() if block}
     seeds = system["seeds"] or [seed]
     rows = expand(system["models"], blocks, system["training"], seeds, f"{where}.models")
-    found = part_mistakes(blocks, where)
+    found = part_mistakes(blocks, where) + segment_mistakes(rows, blocks, where)
     found += _naming_mistakes(system, rows, where) + _sound_mistakes(system, blocks, rows, where)
     if found:
         raise SettingError("\n".join(found))
