@@ -34,6 +34,7 @@ from visualspeech.face.aam.model import Aam
 from visualspeech.face.aam.reference import Reference, texture_image
 from visualspeech.face.head import HeadModel
 from visualspeech.features.blocks.base import Source
+from visualspeech.features.blocks.full_context import FullContext
 from visualspeech.features.blocks.linguistic import Linguistic
 from visualspeech.features.blocks.phone import Phone
 from visualspeech.features.blocks.phone_track import PhoneTrack, PhoneTrackSettings
@@ -51,10 +52,10 @@ from visualspeech.storage.arrays import ArrayReader
 from visualspeech.storage.models import read_model, write_model
 
 PHONES = ("sil", "aa", "b", "iy", "m", "s")
-#: One of each family, a stack that reads sound, one of contextual features, and a network of convolutions with dynamic
-#: outputs.
+#: One of each family, HSMMs that read numbers beside phones, a stack of sound, one of contextual features, and a
+#: network of convolutions with dynamic outputs.
 MODELS = (
-    "stack", "convolutions", "dnn", "hmm", "lookup", "mean", "ensemble", "gv_compensation", "linguistic", "sound"
+    "stack", "convolutions", "dnn", "hmm", "hsmm", "lookup", "mean", "ensemble", "gv_compensation", "linguistic", "sound"
 )  # fmt: skip
 BY_FRAME = {"batcher": "shuffled_frames", "objective": "mse", "scaling": "dimension"}
 WHOLE = 0.02  # share of the cases that load a whole folder and render it
@@ -96,6 +97,10 @@ def make(folder: Path) -> Path:
     hmm.fit(task("hmm", {**small, "variant": "monophone"}, track)).model.save(made / "parent.safetensors")
     tied = task("hmm", {**small, "variant": "tied"}, track, parents=[made / "parent.safetensors"])
     hmm.fit(tied).model.save(made / "model_hmm.safetensors")
+    context, small = FullContext(PHONES), {**small, "durations": "gaussian"}
+    hmm.fit(task("hmm", {**small, "variant": "monophone"}, context)).model.save(made / "parent.safetensors")
+    tied = task("hmm", {**small, "variant": "tied"}, context, parents=[made / "parent.safetensors"])
+    hmm.fit(tied).model.save(made / "model_hsmm.safetensors")
     settings = {"context": "triphone", "min_count": 2}
     lookup.fit(task("lookup", settings, TriphoneState(PHONES))).model.save(made / "model_lookup.safetensors")
     mean.fit(task("mean", {}, TriphoneState(PHONES))).model.save(made / "model_mean.safetensors")

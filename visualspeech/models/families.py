@@ -23,6 +23,7 @@ class Family:
     cell : name of such a row, from the settings
     title : of a row in tables, from its name and settings
     reads : least and largest number of input blocks; None: any number
+    segmental : whether it reads input blocks of segments, with start times; otherwise of frames
     made_of : key of an entry that names the finished rows that a row is made of, of any family: ``from`` for one, or
         ``members`` for several; the row reads what they read. Empty: none
     no_windows : why a row of these settings cannot read windows of frames, as the rest of a sentence; empty: it can
@@ -38,6 +39,7 @@ class Family:
     cell: Callable[[Mapping], str] = lambda settings: ""
     title: Callable[[str, Mapping], str] = lambda name, settings: name
     reads: tuple[int, int | None] = (0, None)
+    segmental: bool = False
     made_of: str = ""
     made_from: Callable[[Mapping], bool] = lambda settings: False
     no_windows: Callable[[Mapping], str] = lambda settings: "this family reads none. Name the block alone."
@@ -65,6 +67,7 @@ FAMILIES = {
         "visualspeech.models.hmm.model:HmmSettings",
         title=lambda name, settings: _HMM_TITLES[settings["durations"]][settings["variant"]],
         reads=(1, 1),
+        segmental=True,
         made_from=lambda settings: settings["variant"] != "monophone",
     ),
     "ensemble": Family(

@@ -12,7 +12,7 @@ from visualspeech.fields import section_schema, with_defaults
 from visualspeech.models.entries import model_mistakes
 from visualspeech.models.registry import expand
 from visualspeech.models.rows import ORACLE, ModelRow
-from visualspeech.planning.blocks import part_mistakes, read_faces, viseme_number_mistakes
+from visualspeech.planning.blocks import part_mistakes, read_faces, segment_mistakes, viseme_number_mistakes
 from visualspeech.planning.tables import resolved_tables, rows_of_entries, table_mistakes
 from visualspeech.schema import check, mistakes, unknown
 from visualspeech.settings import merged, read_yaml
@@ -232,7 +232,8 @@ def complete_system(system: Mapping, seed: int) -> dict:
     if found:
         raise SettingError("\n".join(found))
     rows = [replace(row, role=ORACLE) if row.role == "model" and read_faces(row.reads, blocks) else row for row in rows]
-    found = _naming_mistakes(system, rows, where) + _sound_mistakes(system, blocks, rows, where)
+    found = segment_mistakes(rows, blocks, where)
+    found += _naming_mistakes(system, rows, where) + _sound_mistakes(system, blocks, rows, where)
     found += _window_mistakes(system, blocks, rows, where)
     if found:
         raise SettingError("\n".join(found))

@@ -111,6 +111,34 @@ def test_the_model_for_recordings_is_an_entry_or_a_row():
             resolved({"override": {"systems": {"fan2015": {"sound_model": name}}}})
 
 
+@pytest.mark.parametrize(
+    ("entry", "said"),
+    [
+        ({"hmm_monophone": {"reads": ["tri"]}}, "reads: tri` is .* of frames, and the family hmm reads segments. "
+         "Known: track, track_states"),
+        ({"sound": {"reads": ["mel", "track"]}}, "reads: track` is .* of segments, and the family stack reads frames. "
+         "Known: tri, "),
+    ],
+)  # fmt: skip
+def test_rows_read_segments_or_frames_as_their_family_does(entry, said):
+    with pytest.raises(SettingError, match=f"`systems.fan2015.models.{next(iter(entry))}.{said}"):
+        resolved({"override": {"systems": {"fan2015": {"models": entry}}}})
+
+
+def test_hsmms_are_hmms_with_durations_and_full_contexts():
+    changes = {
+        "blocks": {"full": {"kind": "full_context"}},
+        "models": {"hmm_monophone": {"durations": "gaussian", "reads": ["full"]}},
+    }
+    settings = resolved({"override": {"systems": {"fan2015": changes}}})
+    found = {row["name"]: row for row in settings["systems"]["fan2015"]["rows"]}
+    titles = ["monophone HSMM", "tied-state quinphone HSMM", "MGE-trained HSMM"]
+    for name, title in zip(("hmm_monophone", "hmm_tied", "hmm_mge"), titles, strict=True):
+        assert (found[name]["title"], found[name]["reads"]) == (title, ["full"])
+    assert settings["systems"]["fan2015"]["blocks"]["full"]["settings"]["neighbours"] == 2
+    assert found["hmm_tied_states"]["settings"]["durations"] == "geometric"
+
+
 def test_a_system_driven_by_sound_needs_no_text():
     system = resolved({"systems": ["sound_driven"]})["systems"]["sound_driven"]
     assert system["needs"] == ["video", "audio", "one_speaker"] and system["sound_model"] == "FBB-128"

@@ -16,7 +16,7 @@ from visualspeech.features.contexts import phone_contexts
 from visualspeech.features.streams import Layout, Stream
 from visualspeech.fields import Settings, section_schema, setting
 from visualspeech.speech.alignment import Alignment, starts_of
-from visualspeech.speech.structure import LONG_PAUSE, SHORT_PAUSE, structure_of, symbols_of
+from visualspeech.speech.structure import LONG_PAUSE, MAX_PAUSE, SHORT_PAUSE, structure_of, symbols_of
 from visualspeech.storage.layouts import PHONES, FileLayout
 
 #: A unit of speech, what contains it, and the plural of the unit.
@@ -54,7 +54,7 @@ class FullContextSettings(Settings):
         "Duration in seconds from which on a pause inside an utterance is `sil` and ends a phrase; shorter ones are "
         "`sp`.",
         minimum=0,
-        maximum=60,
+        maximum=MAX_PAUSE,
     )
 
 

@@ -73,7 +73,7 @@ class HmmSettings(Settings):
     )
     min_frames: float = setting(
         5.0,
-        "Minimum occupancy of a tied Gaussian, in frames of the video.",
+        "Minimum occupancy of a tied Gaussian, in frames at the rate of the system.",
         minimum=1,
         maximum=1_000_000,
     )

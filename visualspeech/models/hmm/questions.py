@@ -27,7 +27,15 @@ class Questions:
 
     def answers(self, contexts: np.ndarray) -> np.ndarray:
         """(Q, M) bool for contexts (M, C)."""
-        return self.members[np.arange(len(self.positions))[:, None], contexts[:, self.positions].T]
+        result = np.empty((len(self.positions), len(contexts)), bool)
+        for column in np.unique(self.positions):
+            asked = self.positions == column
+            result[asked] = self.members[asked][:, contexts[:, column]]
+        return result
+
+    def subset(self, chosen: np.ndarray) -> "Questions":
+        """The questions of some numbers, in their order."""
+        return Questions(self.positions[chosen], self.members[chosen], tuple(self.names[number] for number in chosen))
 
 
 def position_names(columns: int, centre: int) -> list[str]:

@@ -14,6 +14,7 @@ from visualspeech.models.trajectory.windows import observations
 
 #: Bounds of the self-transition probability of a state.
 SELF_TRANSITION = (0.02, 0.995)
+_TOGETHER = 16  # utterances that HSMMs pass at once
 
 
 @dataclass(frozen=True)
@@ -119,6 +120,14 @@ def prepare(example: Example, rate: float, step: int) -> Utterance:
     return Utterance(observations(values, step), contexts, lengths, units(contexts, track.centre, track.divisions))
 
 
+def _joined(utterances: Sequence[Utterance]) -> Utterance:
+    """Several utterances, one after the other."""
+    if len(utterances) == 1:
+        return utterances[0]
+    names = Utterance.__dataclass_fields__
+    return Utterance(**{name: np.concatenate([getattr(one, name) for one in utterances]) for name in names})
+
+
 def accumulate(
     examples: Sequence[Example],
     find: Callable[[np.ndarray], np.ndarray],
@@ -144,14 +153,18 @@ def accumulate(
     count_of_units, states = self_transition.shape
     sums: dict[str, np.ndarray] = {}
     likelihood, frames = 0.0, 0
-    for number in range(len(examples)):
-        one = prepare(examples[number], rate, step)
+    explicit = durations == "gaussian"
+    # Phones of one length are passed together; in several utterances there are more of them.
+    together = _TOGETHER if explicit else 1
+    for begin in range(0, len(examples), together):
+        batch = range(begin, min(begin + together, len(examples)))
+        one = _joined([prepare(examples[number], rate, step) for number in batch])
         chosen, squares = find(one.contexts), None
         if gaussians is None:
             gamma = np.eye(states)[even_states(one.lengths, states)]
         else:
             density = gaussians.log_density(one.observed, np.repeat(chosen, one.lengths, axis=0))
-            if durations == "gaussian":
+            if explicit:
                 lasting = gaussians.duration_mean[chosen], gaussians.duration_variance[chosen]
                 gamma, squares, each = expected_durations(density, one.lengths, *lasting)
             else:

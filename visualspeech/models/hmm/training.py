@@ -90,7 +90,7 @@ def fit_tied(monophone: Hmm, training: Sequence[Example]) -> Hmm:
         if remaining:  # the trees grow on the statistics of the last iteration
             gaussians = sums.gaussians(floor, prior, settings.map_tau)
     log.info("%d phone contexts, %d Gaussians before tying", len(untied.contexts), len(parent))
-    # Frames between those of the video carry no information: each counts as the share of a video frame that it is.
+    # Frames between those of the targets carry no information: each counts as the share of one of theirs that it is.
     weight = min(training[0][2] / settings.rate, 1.0)
     first = untied.contexts[:, -1] * each if layout.divisions > 1 else np.zeros(len(untied.contexts), int)
     cases = Cases(

@@ -151,16 +151,18 @@ def grow(
     leaves = 0
     roots = np.zeros((states, phones), int)
 
-    def split(part: Cases, cost: float) -> int:
+    def split(part: Cases, asked: Questions, cost: float) -> int:
         nonlocal leaves
-        best = _best_split(part, questions, floor, min_frames)
-        if best is None or best[0] <= cost:
+        asked, answers = _able(part, asked, min_frames)
+        gain = _gains(part, answers, floor) if len(answers) else np.array([-np.inf])
+        best = int(np.argmax(gain))
+        if gain[best] <= cost:
             leaves += 1
             return -leaves
-        _, question, yes = best
-        node, branch = len(nodes), [0, 0]
-        nodes.append((int(questions.positions[question]), questions.members[question], branch))
-        branch[0], branch[1] = split(part.subset(~yes), cost), split(part.subset(yes), cost)
+        yes, node, branch = answers[best].copy(), len(nodes), [0, 0]
+        nodes.append((int(asked.positions[best]), asked.members[best], branch))
+        del answers
+        branch[0], branch[1] = split(part.subset(~yes), asked, cost), split(part.subset(yes), asked, cost)
         return node
 
     for state in range(states):
@@ -169,7 +171,7 @@ def grow(
             if of_each_phone:
                 here = here & (cases.contexts[:, centre] == phone)
             part = cases.subset(here)
-            roots[state, phone] = split(part, mdl * len(floor) * np.log(max(part.occupancy.sum(), np.e)))
+            roots[state, phone] = split(part, questions, mdl * len(floor) * np.log(max(part.occupancy.sum(), np.e)))
     return Tying(
         roots,
         np.array([node[0] for node in nodes], int),
@@ -182,24 +184,25 @@ def grow(
     )
 
 
-def _best_split(part: Cases, questions: Questions, floor: np.ndarray, min_frames: float):
-    """(gain in log-likelihood, question, cases with yes) of the best split; None where no split has enough frames."""
+def _able(part: Cases, questions: Questions, min_frames: float) -> tuple[Questions, np.ndarray]:
+    """The questions that split the cases of a node into parts of enough frames, and their answers (Q, M).
+
+    What is left out here splits no part of these cases better: its parts are smaller still, or it splits them as the
+    first of the questions that split all of them alike, or the other way round.
+    """
     answers = questions.answers(part.contexts)
-    total = part.occupancy.sum()
     held = answers @ part.occupancy
-    able = np.flatnonzero((held >= min_frames) & (total - held >= min_frames))
-    if not len(able):
-        return None
-    # Of questions that split these cases in the same way, only the first is tried.
-    # So are opposite answers.
+    able = np.flatnonzero((held >= min_frames) & (part.occupancy.sum() - held >= min_frames))
     alike = answers[able] ^ answers[able, :1]
     _, first = np.unique(np.packbits(alike, axis=1), axis=0, return_index=True)
     able = able[np.sort(first)]
-    chosen = answers[able].astype(float)
-    sums = (part.occupancy, part.first, part.second)
-    whole = [values.sum(axis=0) for values in sums]
-    held = [chosen @ values for values in sums]
-    rest = [all_of_them - yes for all_of_them, yes in zip(whole, held, strict=True)]
-    gain = log_likelihood(*held, floor) + log_likelihood(*rest, floor) - log_likelihood(*whole, floor)
-    best = int(np.argmax(gain))
-    return float(gain[best]), int(able[best]), answers[able[best]]
+    return questions.subset(able), answers[able]
+
+
+def _gains(part: Cases, answers: np.ndarray, floor: np.ndarray) -> np.ndarray:
+    """Gain in log-likelihood (Q,) of the splits of the cases of a node by answers (Q, M)."""
+    whole, chosen = (part.occupancy, part.first, part.second), answers.astype(float)
+    yes = [chosen @ values for values in whole]
+    whole = [values.sum(axis=0) for values in whole]
+    no = [values - held for values, held in zip(whole, yes, strict=True)]
+    return sum(log_likelihood(*sums, floor) for sums in (yes, no)) - log_likelihood(*whole, floor)
