@@ -5,6 +5,7 @@ from visualspeech.models.families import FAMILIES
 from visualspeech.models.lips import WEIGHTS
 from visualspeech.models.registry import code_modules
 from visualspeech.models.rows import ModelRow
+from visualspeech.models.training_settings import FRAME_BATCHERS
 
 
 def system_of(wildcards):
@@ -63,6 +64,12 @@ def alignment_of_lips(wildcards):
     """Alignment of all shards, if the training of a row asks for the closures of its utterances."""
     asked = any(row_of(wildcards).training.get(name) for name in WEIGHTS)
     return shards("<corpus>/alignment/{shard}.tsv")(wildcards) if asked else []
+
+
+def memory_of_training(wildcards, input):
+    """MB that a training job needs: with mini-batches of single frames, features and targets are in memory."""
+    whole = row_of(wildcards).training.get("batcher") in FRAME_BATCHERS
+    return 2000 + (2 * round(input.size_mb) if whole else 0)
 
 
 def where_needed(need, pattern):
