@@ -35,16 +35,18 @@ WINDOWS = {"ph": WINDOW, "dv": WINDOW}
 
 
 class Corpus(Sequence):
-    """Utterances of random segments, made anew at each access, so that they take no memory.
+    """Utterances of random segments; the first ones again and again, so that a long corpus takes no memory.
 
     Parameters
     ----------
     count, frames : utterances, and frames of each
     seed : of all of them
+    different : number of different ones at most
     """
 
-    def __init__(self, count: int, frames: int, seed: int = 1) -> None:
-        self.count, self.frames, self.seed = count, frames, seed
+    def __init__(self, count: int, frames: int, seed: int = 1, different: int = 32) -> None:
+        self.count = count
+        self.utterances = [_utterance(frames, [seed, number]) for number in range(min(count, different))]
 
     def __len__(self) -> int:
         return self.count
@@ -52,17 +54,21 @@ class Corpus(Sequence):
     def __getitem__(self, number: int) -> Example:
         if not 0 <= number < self.count:
             raise IndexError(number)
-        random = np.random.default_rng([self.seed, number])
-        segment = np.cumsum(random.random(self.frames) < 1 / SEGMENT)
+        return self.utterances[number % len(self.utterances)]
 
-        def classes(*sizes):
-            drawn = [random.integers(0, size, segment[-1] + 1, dtype=np.uint8) for size in sizes]
-            return np.stack(drawn, axis=1)[segment]
 
-        values = random.random((segment[-1] + 1, CLASSES + NUMBERS), np.float32)[segment]
-        streams = [Stream(index=classes(*BLOCKS[name].layout.sizes)) for name in ("ph", "dv", "contexts")]
-        target = random.standard_normal((self.frames, OUTPUTS), np.float32)
-        return Example((*streams, Stream(values=values)), target, RATE)
+def _utterance(frames: int, seed: list[int]) -> Example:
+    random = np.random.default_rng(seed)
+    segment = np.cumsum(random.random(frames) < 1 / SEGMENT)
+
+    def classes(*sizes):
+        drawn = [random.integers(0, size, segment[-1] + 1, dtype=np.uint8) for size in sizes]
+        return np.stack(drawn, axis=1)[segment]
+
+    values = random.random((segment[-1] + 1, CLASSES + NUMBERS), np.float32)[segment]
+    streams = [Stream(index=classes(*BLOCKS[name].layout.sizes)) for name in ("ph", "dv", "contexts")]
+    target = random.standard_normal((frames, OUTPUTS), np.float32)
+    return Example((*streams, Stream(values=values)), target, RATE)
 
 
 def task(settings: dict, training: dict, learned: Sequence[Example], validation: Sequence[Example]) -> Task:

@@ -54,8 +54,8 @@ from visualspeech.storage.arrays import ArrayReader
 from visualspeech.storage.models import read_model, write_model
 
 PHONES = ("sil", "aa", "b", "iy", "m", "s")
-#: One of each family, HSMMs that read numbers beside phones, a stack of sound, one of contextual features, one of dynamic
-#: visemes, and a network of convolutions with dynamic outputs.
+#: One of each family, HSMMs that read numbers beside phones, a stack of sound, one of contextual features, one of
+#: dynamic visemes, and a network of convolutions with dynamic outputs.
 MODELS = (
     "stack", "convolutions", "dnn", "hmm", "hsmm", "lookup", "mean", "ensemble", "gv_compensation", "linguistic",
     "visemes", "sound",

@@ -5,6 +5,7 @@ from visualspeech.models.families import FAMILIES
 from visualspeech.models.lips import WEIGHTS
 from visualspeech.models.registry import code_modules
 from visualspeech.models.rows import ROLES, ModelRow
+from visualspeech.models.training_settings import FRAME_BATCHERS
 
 PREDICTING = tuple(role for role in ROLES if role != "floor")
 
@@ -86,6 +87,12 @@ def parts_of_block(wildcards):
     """Names of the other input blocks that a job's block is computed from."""
     own = block_of(wildcards)
     return [own["settings"][key] for key in parts_of(block_class(own["kind"]))]
+
+
+def memory_of_training(wildcards, input):
+    """MB that a training job needs: with mini-batches of single frames, features and targets are in memory."""
+    whole = row_of(wildcards).training.get("batcher") in FRAME_BATCHERS
+    return 2000 + (2 * round(input.size_mb) if whole else 0)
 
 
 def where_needed(need, pattern):
