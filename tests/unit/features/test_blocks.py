@@ -395,7 +395,9 @@ def test_recorded_parameters_are_read_when_a_block_asks_for_them(tmp_path):
 
 
 def test_blocks_of_a_model_have_the_same_phones():
-    arrays, plain = pack({"tri": fitted("triphone_state"), "track": fitted("phone_track"), "ph": fitted("phone_classes")})
+    arrays, plain = pack(
+        {"tri": fitted("triphone_state"), "track": fitted("phone_track"), "ph": fitted("phone_classes")}
+    )
     assert list(unpack(arrays, plain)) == ["tri", "track", "ph"]
     plain[1]["state"]["phones"] = plain[1]["state"]["phones"][:-1]
     with pytest.raises(StorageError, match="its input blocks have different phones"):
