@@ -10,7 +10,7 @@ from visualspeech.face.aam.modes import face_pictures
 from visualspeech.face.aam.reference import Reference
 from visualspeech.features.visemes.classes import VisemeClasses
 
-SHOWN = 12
+SHOWN = 8
 MOMENTS = ("start", "middle", "end")
 
 
@@ -23,12 +23,12 @@ def mean_gestures(classes: VisemeClasses) -> list[tuple[int, float, np.ndarray]]
 
 
 def viseme_pictures(classes: VisemeClasses, aam: Aam, reference: Reference, count: int = SHOWN) -> bytes:
-    """A PNG of the most frequent classes, a row each: the face as the gesture begins, in its middle, and as it ends."""
+    """A PNG of the most frequent classes, a column each: the face at a gesture's beginning, middle and end."""
     chosen = mean_gestures(classes)[:count]
     faces = np.concatenate([gesture[moments(len(gesture))] for _, _, gesture in chosen])
     pictures = np.array(face_pictures(aam, reference, faces))
-    grid = pictures.reshape(len(chosen), len(MOMENTS), *pictures.shape[1:])
-    return plots.mode_pictures(grid, [f"{number} ({share:.1%})" for number, share, _ in chosen], MOMENTS)
+    grid = pictures.reshape(len(chosen), len(MOMENTS), *pictures.shape[1:]).swapaxes(0, 1)
+    return plots.mode_pictures(grid, MOMENTS, [f"{number} ({share:.1%})" for number, share, _ in chosen])
 
 
 def moments(points: int) -> Sequence[int]:
