@@ -46,6 +46,13 @@ class ModelRow:
     role: str = "model"
     windows: Mapping[str, float] = field(default_factory=dict)
 
+    @property
+    def inputs(self) -> tuple[str, ...]:
+        """What it reads, for people: names of blocks, with their windows."""
+        return tuple(
+            f"{name} ({self.windows[name]:g} s either side)" if name in self.windows else name for name in self.reads
+        )
+
     def plain(self) -> dict:
         """The row as JSON can hold it; ``windows`` is left out where there is none."""
         plain = {**asdict(self), "reads": list(self.reads), "parents": list(self.parents)}

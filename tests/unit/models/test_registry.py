@@ -58,6 +58,7 @@ def test_a_grid_of_layers_and_nodes_with_windows():
     assert names({"dnn": DNN}, training=SHUFFLED) == ["DNN-1x64", "DNN-3x64"]
     one = row({"dnn": {**DNN, "training": SHUFFLED}}, "DNN-3x64")
     assert (one.reads, one.windows, one.settings["layers"]) == (("tri", "parts"), {"tri": 0.16}, 3)
+    assert one.inputs == ("tri (0.16 s either side)", "parts")
     assert one.plain()["windows"] == {"tri": 0.16} and one.training["batcher"] == "shuffled_frames"
     inherited = row({"dnn": DNN, "more": {"like": "dnn", "suffix": "b"}}, "DNN-1x64-b")
     assert inherited.windows == {"tri": 0.16}
