@@ -51,8 +51,8 @@ def system_section(given: Mapping, alignments: Sequence[str], report: str, traje
     given : ``name`` and ``title`` of the system; ``facts`` as (name, text) pairs; and paths: ``utterances`` (the table
         of those that its models see), ``tables`` (HTML pages), ``targets`` (shards), ``curves`` (of the ``rows``, plain
         :class:`ModelRow`, in the same order), ``coding`` and ``reference`` (models, empty for a coding without
-        texture), ``visemes`` (pictures), ``predictions`` of the model named ``model``, and ``videos`` (a folder). What
-        is empty is left out of the section
+        texture), ``visemes`` (pictures), ``predictions`` of the model named ``model``, ``videos`` (a folder), and
+        ``figures`` (pictures) with their ``captions``. What is empty is left out of the section
     alignments : shards of the alignment
     report : path of the page, to which links are relative
     trajectories : number of test utterances whose trajectories are shown
@@ -71,6 +71,10 @@ def system_section(given: Mapping, alignments: Sequence[str], report: str, traje
             if given["predictions"]
             else (),
             modes=aam_modes(Aam.load(given["coding"]), Reference.load(given["reference"])) if given["coding"] else (),
+            figures=tuple(
+                Picture(Path(path).read_bytes(), caption)
+                for path, caption in zip(given["figures"], given["captions"], strict=True)
+            ),
             visemes=tuple(Picture(Path(path).read_bytes(), VISEMES) for path in given["visemes"]),
             videos=videos(given["videos"], report, utterances, given["model"]) if given["videos"] else (),
         )

@@ -10,20 +10,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from visualspeech.errors import DataError, SettingError
-from visualspeech.storage.layouts import Array
 
 MAX_COUNT = 1e7  # frames of a day at 100 Hz
 MIN_DEVIATION = 1e-3  # what varies less does not vary: one frame of 5 million with another count
 _NAMES = ("mean", "deviation", "low", "high")
-#: What :meth:`Counts.arrays` gives.
-COUNT_ARRAYS = {
-    "mean": Array("f", ("N?",), low=0, high=MAX_COUNT),
-    "deviation": Array("f", ("N?",), low=MIN_DEVIATION, high=MAX_COUNT),
-    "low": Array("f", ("N?",), low=0, high=MAX_COUNT),
-    "high": Array("f", ("N?",), low=0, high=MAX_COUNT),
-}
-
-
 _NUMBER = {"type": "number", "minimum": 0, "maximum": MAX_COUNT}
 #: JSON Schema of what :meth:`Counts.plain` gives.
 COUNTS = {
@@ -48,9 +38,7 @@ class Counts:
     high: np.ndarray
 
     def __eq__(self, other) -> bool:
-        return isinstance(other, Counts) and all(
-            np.array_equal(values, other.arrays()[name]) for name, values in self.arrays().items()
-        )
+        return isinstance(other, Counts) and self.plain() == other.plain()
 
     def normalised(self, values: np.ndarray) -> np.ndarray:
         """Counts (T, N), limited to the range of the training frames, with zero mean and unit variance: float32."""
@@ -73,10 +61,6 @@ class Counts:
         if len(plain) != columns:
             raise SettingError(f"there are statistics of {len(plain)} counts, the features have {columns}.")
         return cls(*(np.array([one[name] for one in plain], np.float64) for name in _NAMES))
-
-    def arrays(self) -> dict[str, np.ndarray]:
-        """The arrays by name, as they are stored."""
-        return {name: getattr(self, name) for name in _NAMES}
 
 
 def fit_counts(values: Iterable[np.ndarray], columns: int) -> Counts:

@@ -3,6 +3,8 @@
 from collections.abc import Iterable, Mapping
 
 from visualspeech.features.blocks.base import block_class, encoding_needs, parts_of
+from visualspeech.models.families import FAMILIES
+from visualspeech.models.rows import ModelRow
 from visualspeech.schema import unknown
 
 
@@ -29,6 +31,30 @@ def viseme_number_mistakes(block: str, blocks: Mapping[str, Mapping], where: str
     if not block or block in known:
         return []
     return [unknown(f"{where}.viseme_numbers.block", block, known, "input block of kind dynamic_visemes")]
+
+
+def segment_mistakes(rows: Iterable[ModelRow], blocks: Mapping[str, Mapping], where: str) -> list[str]:
+    """Rows that are to read segments where their family reads frames, or the other way round; a sentence for each.
+
+    Parameters
+    ----------
+    rows, blocks : of the system
+    where : its place in the settings, for messages
+    """
+    # What HMMs need to know of a block of segments is how many of them a phone has.
+    segmental = {name: hasattr(block_class(block["kind"]), "divisions") for name, block in blocks.items()}
+    found = []
+    for row in rows:
+        family = FAMILIES[row.family]
+        for name in row.reads if not family.made_of else ():
+            if segmental[name] != family.segmental:
+                has, reads = ("segments", "frames") if segmental[name] else ("frames", "segments")
+                others = ", ".join(other for other in blocks if segmental[other] == family.segmental) or "none"
+                found.append(
+                    f"`{where}.models.{row.group}.reads: {name}` is an input block of {has}, and the family "
+                    f"{row.family} reads {reads}. Known: {others}."
+                )
+    return list(dict.fromkeys(found))
 
 
 def read_faces(reads: Iterable[str], blocks: Mapping[str, Mapping]) -> list[str]:

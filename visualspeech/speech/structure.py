@@ -19,6 +19,7 @@ SHORT_PAUSE = "sp"
 #: The 41 symbols of a phone sequence: silence, the 39 phones of ARPAbet, the short pause.
 SYMBOLS: tuple[str, ...] = (*PHONES, SHORT_PAUSE)
 LONG_PAUSE = 0.15  # seconds, default of the settings; the pauses at commas of the synthetic voice last 0.19 to 0.21
+MAX_PAUSE = 60.0  # seconds; bound of the settings
 _ROUNDING = 1e-6  # seconds; times have fewer digits
 
 

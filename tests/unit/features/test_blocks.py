@@ -64,6 +64,7 @@ def fitted(kind, **settings):
 def test_the_kinds_are_the_modules():
     assert block_kinds() == [
         "dynamic_visemes",
+        "full_context",
         "label_parts",
         "linguistic",
         "log_mel",
@@ -77,7 +78,7 @@ def test_the_kinds_are_the_modules():
         cls = block_class(kind)
         assert cls.kind == kind and cls.__module__ == block_module(kind)
         assert cls.settings is None or issubclass(cls.settings, Settings)
-    known = "dynamic_visemes, label_parts, linguistic, log_mel, phone, phone_classes, phone_track"
+    known = "dynamic_visemes, full_context, label_parts, linguistic, log_mel, phone, phone_classes, phone_track"
     with pytest.raises(StorageError, match=f"kind 'triphones' is unknown. Known: {known}"):
         block_class("triphones")
 

@@ -17,10 +17,8 @@ from visualspeech.features.streams import Layout, Stream
 from visualspeech.fields import Settings, setting
 from visualspeech.speech.acoustic_classes import ACOUSTIC_CLASSES
 from visualspeech.speech.phones import PHONES as ARPABET
-from visualspeech.speech.structure import LONG_PAUSE, SHORT_PAUSE, symbols_of
+from visualspeech.speech.structure import LONG_PAUSE, MAX_PAUSE, SHORT_PAUSE, symbols_of
 from visualspeech.storage.layouts import PHONES, FileLayout
-
-MAX_PAUSE = 60.0
 
 
 @dataclass(frozen=True)

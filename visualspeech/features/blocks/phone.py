@@ -13,11 +13,9 @@ from visualspeech.features.streams import Layout, Stream
 from visualspeech.fields import Settings, setting
 from visualspeech.speech.alignment import starts_of
 from visualspeech.speech.phones import PHONES as ARPABET
-from visualspeech.speech.structure import LONG_PAUSE, SHORT_PAUSE, SYMBOLS, symbols_of
+from visualspeech.speech.structure import LONG_PAUSE, MAX_PAUSE, SHORT_PAUSE, SYMBOLS, symbols_of
 from visualspeech.storage.layouts import PHONES, FileLayout
 from visualspeech.timing import frame_times, interval_of_frame
-
-MAX_PAUSE = 60.0
 
 
 @dataclass(frozen=True)
