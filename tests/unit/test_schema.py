@@ -366,11 +366,11 @@ def selected(changes):
         ),
         (
             selected("coding: 3"),
-            "`systems.mine.coding: 3` is not known. Known: aam51. Or give the path of a YAML file.",
+            "`systems.mine.coding: 3` is not known. Known: aam34, aam51. Or give the path of a YAML file.",
         ),
         (
             selected("coding: aam15"),
-            r"`systems.mine.coding: aam15` is not known. Did you mean `aam51`\? Known: aam51. Or",
+            r"`systems.mine.coding: aam15` is not known. Did you mean `aam51`\? Known: aam34, aam51. Or",
         ),
         (
             selected("coding: {points: x}"),
@@ -449,7 +449,7 @@ def selected(changes):
         ),
         (
             "override: {codings: {aam15: {}}}",
-            r"`override.codings: aam15` is not known. Did you mean `aam51`\? Known: aam51",
+            r"`override.codings: aam15` is not known. Did you mean `aam51`\? Known: aam34, aam51",
         ),
         (
             "override: {system: {}}",

@@ -25,6 +25,14 @@ def part_mistakes(blocks: Mapping[str, Mapping], where: str) -> list[str]:
     return found
 
 
+def viseme_number_mistakes(block: str, blocks: Mapping[str, Mapping], where: str) -> list[str]:
+    """What is wrong with the block whose number of classes the target ``viseme_numbers`` varies; empty: the first."""
+    known = [name for name, one in blocks.items() if one["kind"] == "dynamic_visemes"]
+    if not block or block in known:
+        return []
+    return [unknown(f"{where}.viseme_numbers.block", block, known, "input block of kind dynamic_visemes")]
+
+
 def segment_mistakes(rows: Iterable[ModelRow], blocks: Mapping[str, Mapping], where: str) -> list[str]:
     """Rows that are to read segments where their family reads frames, or the other way round; a sentence for each.
 

@@ -4,7 +4,10 @@ from visualspeech.features.blocks.base import block_class, block_module, needs_o
 from visualspeech.models.families import FAMILIES
 from visualspeech.models.lips import WEIGHTS
 from visualspeech.models.registry import code_modules
-from visualspeech.models.rows import ModelRow
+from visualspeech.models.rows import ROLES, ModelRow
+from visualspeech.models.training_settings import FRAME_BATCHERS
+
+PREDICTING = tuple(role for role in ROLES if role != "floor")
 
 
 def system_of(wildcards):
@@ -23,7 +26,17 @@ def of_coding(file):
     return lambda wildcards: filled(f"<coding>/{file}", wildcards, coding=system_of(wildcards)["coding"])[0]
 
 
-def rows_of(system, roles=("model", "baseline", "floor")):
+def of_coding_shards(file):
+    """Input function: a file of every shard of the visual coding of the job's system."""
+    return lambda wildcards: filled(
+        f"<coding>/{file}",
+        wildcards,
+        coding=system_of(wildcards)["coding"],
+        shard=PLAN.corpora[wildcards.corpus].shards,
+    )
+
+
+def rows_of(system, roles=ROLES):
     """The rows of a system's tables, in their order."""
     rows = [ModelRow.of(row) for row in SETTINGS["systems"][system]["rows"]]
     return [row for row in rows if row.role in roles]
@@ -74,6 +87,12 @@ def parts_of_block(wildcards):
     """Names of the other input blocks that a job's block is computed from."""
     own = block_of(wildcards)
     return [own["settings"][key] for key in parts_of(block_class(own["kind"]))]
+
+
+def memory_of_training(wildcards, input):
+    """MB that a training job needs: with mini-batches of single frames, features and targets are in memory."""
+    whole = row_of(wildcards).training.get("batcher") in FRAME_BATCHERS
+    return 2000 + (2 * round(input.size_mb) if whole else 0)
 
 
 def where_needed(need, pattern):
@@ -134,5 +153,5 @@ def faces(wildcards):
     return expand(pattern, corpus=wildcards.corpus, coding=name, shard=PLAN.corpora[wildcards.corpus].shards)
 
 
-TRAINED = one_of(row.name for name in SETTINGS["systems"] for row in rows_of(name, ("model", "baseline")))
+TRAINED = one_of(row.name for name in SETTINGS["systems"] for row in rows_of(name, PREDICTING))
 FLOORS = one_of(row.name for name in SETTINGS["systems"] for row in rows_of(name, ("floor",)))

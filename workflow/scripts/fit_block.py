@@ -1,7 +1,7 @@
 """Fit one input block to the training utterances of a corpus."""
 
 from visualspeech.corpora.table import of_split, read_utterances
-from visualspeech.features.blocks.base import TrainingSources, fit_block, load_block, save_block
+from visualspeech.features.blocks.base import Sources, fit_block, load_block, save_block
 from visualspeech.features.contexts import read_phones
 from visualspeech.jobs import job
 from visualspeech.storage.arrays import ArrayCollection
@@ -18,7 +18,7 @@ with (
         params.kind,
         params.settings,
         phones,
-        TrainingSources(source.alignment, targets, training, sound if source.audio else None, params.faces),
+        Sources(source.alignment, targets, training, sound if source.audio else None, params.faces),
         {name: load_block(path) for name, path in zip(params.made_of, source.blocks, strict=True)},
     )
     save_block(snakemake.output[0], block)

@@ -391,5 +391,15 @@ def test_recorded_parameters_are_read_when_a_block_asks_for_them(tmp_path):
         found = base.read_sources(None, targets, ["a", "b"], faces=True)
         assert base.read_sources(None, targets, ["a"])["a"].parameters is None
         assert np.array_equal(np.asarray(found["b"].parameters), FACES[1]) and found["b"].id == "b"
-        sources = base.TrainingSources([], targets, ["a"], faces=True)
+        sources = base.Sources([], targets, ["a"], faces=True)
         assert [one.id for one in sources] == [one.id for one in sources] == ["a"]  # any number of passes
+
+
+def test_blocks_of_a_model_have_the_same_phones():
+    arrays, plain = pack(
+        {"tri": fitted("triphone_state"), "track": fitted("phone_track"), "ph": fitted("phone_classes")}
+    )
+    assert list(unpack(arrays, plain)) == ["tri", "track", "ph"]
+    plain[1]["state"]["phones"] = plain[1]["state"]["phones"][:-1]
+    with pytest.raises(StorageError, match="its input blocks have different phones"):
+        unpack(arrays, plain)

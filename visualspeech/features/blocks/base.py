@@ -68,11 +68,11 @@ class StoredParameters:
 class Block(Protocol):
     """An input block, fitted.
 
-    A block that is computed from sound says so with ``needs = ("audio",)``; see :func:`needs_of`. One whose streams
-    need less than its fit has ``encoding_needs(settings)``, see :func:`encoding_needs`, and ``encoded_from``. One that
-    is computed from another block of the system has ``made_of``, see :func:`parts_of`, and its ``fit`` takes the fitted
-    blocks by name as a fourth argument. One that keeps what only training utterances need has ``for_new_speech()``, the
-    block without it.
+    A block that is computed from sound says so with ``needs = ("audio",)``; see :func:`needs_of`. One whose rows are
+    segments says so with ``segmental = True``, so that planning knows it. One whose streams need less than its fit has
+    ``encoding_needs(settings)``, see :func:`encoding_needs`, and ``encoded_from``. One that is computed from another
+    block of the system has ``made_of``, see :func:`parts_of`, and its ``fit`` takes the fitted blocks by name as a
+    fourth argument. One that keeps what only training utterances need has ``for_new_speech()``, the block without it.
     """
 
     kind: ClassVar[str]
@@ -174,6 +174,11 @@ def for_new_speech(block: Block) -> Block:
     return block.for_new_speech() if hasattr(block, "for_new_speech") else block
 
 
+def is_segmental(block: "type[Block] | Block") -> bool:
+    """Whether the rows of a block, or of its class, are segments; a class that says nothing has frames."""
+    return bool(getattr(block, "segmental", False))
+
+
 def restore(kind: str, arrays: Mapping[str, np.ndarray], plain: Mapping, path: str | Path = "") -> Block:
     """A fitted block from its state, which the file ``path`` holds.
 
@@ -261,8 +266,8 @@ def read_sources(
 
 
 @dataclass(frozen=True)
-class TrainingSources:
-    """The training utterances of all shards, read anew each time that they are gone through.
+class Sources:
+    """Some utterances of all shards, read anew each time that they are gone through.
 
     Parameters
     ----------

@@ -149,10 +149,16 @@ class DynamicVisemes:
         Raises
         ------
         DataError
-            The visemes are those of the recorded face, and there is no recording.
+            The visemes are those of the recorded face, and there is no recording, or one of another visual coding.
         """
         if self.text is None:
             values, gestures = _recorded(source, self.options)
+            if values.shape[1] != self.classes.means.shape[2]:
+                raise DataError(
+                    f"a recorded face of {values.shape[1]} parameters has no dynamic visemes of "
+                    f"{self.classes.means.shape[2]}: they are of another visual coding. Delete the features of the "
+                    "system and run again."
+                )
             return gestures, self.classes.assign(values, gestures)
         asked = source.alignment, source.frames, source.rate, self.phones, source.id
         values, shares = self.text.predict(*asked)

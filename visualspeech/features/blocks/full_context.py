@@ -73,6 +73,7 @@ class FullContext:
     stored: ClassVar[FileLayout] = FileLayout(
         plain={"phones": PHONES, **section_schema(FullContextSettings)["properties"]}
     )
+    segmental: ClassVar[bool] = True
     #: Rows of each phone, as those of the block ``phone_track``.
     divisions: ClassVar[int] = 1
 

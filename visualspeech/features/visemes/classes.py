@@ -101,8 +101,8 @@ def fit_classes(shapes: Iterable[np.ndarray], classes: int, seed: int) -> Viseme
         raise DataError("there is no training utterance to learn from. Add recordings, or change `split`.")
     if classes > len(given):
         raise DataError(
-            f"`classes: {classes}` of the input block dynamic_visemes is more than the {len(given)} gestures of the "
-            f"training utterances; give at most {len(given)}, better a tenth of that."
+            f"`classes: {classes}` asks for more classes of dynamic visemes than there are gestures: the training "
+            f"utterances have {len(given)}. Give at most that, better a tenth of it."
         )
     flat = given.reshape(len(given), -1)
     flat = flat - flat.mean(axis=0)

@@ -28,7 +28,7 @@ from visualspeech.speech.alignment import Alignment
 MAX_INDICATORS = 2048  # the most frequent ones; the work of a fit grows with the cube of their number
 MIN_SECONDS = 0.1  # of training in which an indicator must be 1
 PENALTY = 0.1  # seconds of training that the weight 0 counts for
-# Weights of the scores of a sequence of classes, chosen on the validation utterances of GRID (docs/visemes.md).
+# Weights of the scores of a sequence of classes, chosen on the validation utterances of GRID (benchmarks/visemes.py).
 NEARNESS, FOLLOWING = 2.0, 0.2
 MIN_ERROR = 1e-9  # see `TextModel.error`
 _LEAST_SHARE = 1e-3  # of a class in a context; regression also gives negative ones

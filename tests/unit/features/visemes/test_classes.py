@@ -59,7 +59,7 @@ def test_the_seed_decides():
 def test_more_classes_than_gestures():
     shapes, _ = planted()
     assert len(fit_classes([shapes], len(shapes), seed=1)) == len(shapes)
-    with pytest.raises(DataError, match=r"`classes: 160` of the input block dynamic_visemes .* the 115 gestures"):
+    with pytest.raises(DataError, match=r"`classes: 160` asks .* than there are gestures: .* have 115"):
         fit_classes([shapes], 160, seed=1)
     with pytest.raises(DataError, match="no training utterance"):
         fit_classes([], 5, seed=1)
