@@ -4,7 +4,7 @@ import shutil
 
 import pytest
 
-from tests.workflow.running import overlay, snakemake
+from tests.workflow.running import of_system, overlay, snakemake
 from visualspeech.storage.tables import read_table
 
 pytestmark = pytest.mark.xdist_group("workflow")
@@ -53,6 +53,26 @@ def test_its_figure_and_video_stand_in_the_report(run):
     assert len(list((folder / "thangthai2016/videos").glob("*.mp4"))) == 1
     report = (folder / "report.html").read_text()
     assert "Parameter 5 of a test utterance" in report and "Thangthai et al. 2016" in report
+    assert report.count("The most frequent classes of dynamic visemes") >= 1
+    assert (folder / "thangthai2016/features/dv/visemes.png").is_file()
+
+
+def test_the_number_of_visemes_is_a_target_of_its_own(run):
+    folder, files, said = run
+    assert "rule try_viseme_number" not in said
+    few = overlay(files[1].parent, {"systems": ["thangthai2016"]}, of_system("thangthai2016", viseme_numbers={
+        "classes": [4, 9]}), name="numbers.yaml")  # fmt: skip
+    done = snakemake(folder, "viseme_numbers", configfiles=few)
+    assert done.returncode == 0, done.stdout[-4000:]
+    table = read_table(folder / "results/tiny/thangthai2016/tables/viseme_numbers.tsv", ("id",))
+    assert sorted(set(table["classes"])) == [4, 9]
+    many = overlay(files[1].parent, {"systems": ["thangthai2016"]}, of_system("thangthai2016", viseme_numbers={
+        "classes": [9999]}), name="many.yaml")  # fmt: skip
+    refused = snakemake(folder, "viseme_numbers", configfiles=many)
+    assert refused.returncode != 0 and "`classes: 9999` asks for more classes of dynamic visemes" in refused.stdout
+    assert "Traceback" not in refused.stdout
+    without = snakemake(folder, "--dry-run", "viseme_numbers")
+    assert without.returncode != 0 and "no selected system has an input block of kind dynamic_visemes" in without.stdout
 
 
 def test_it_speaks_with_predicted_visemes(run):

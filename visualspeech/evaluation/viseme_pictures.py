@@ -23,7 +23,7 @@ def mean_gestures(classes: VisemeClasses) -> list[tuple[int, float, np.ndarray]]
 
 
 def viseme_pictures(classes: VisemeClasses, aam: Aam, reference: Reference, count: int = SHOWN) -> bytes:
-    """A PNG of the most frequent classes, a column each: the face at a gesture's beginning, middle and end."""
+    """A PNG of the most frequent classes, a column each: the face as a gesture begins, in its middle, as it ends."""
     chosen = mean_gestures(classes)[:count]
     faces = np.concatenate([gesture[moments(len(gesture))] for _, _, gesture in chosen])
     pictures = np.array(face_pictures(aam, reference, faces))
