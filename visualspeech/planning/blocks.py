@@ -2,7 +2,7 @@
 
 from collections.abc import Iterable, Mapping
 
-from visualspeech.features.blocks.base import block_class, encoding_needs, parts_of
+from visualspeech.features.blocks.base import block_class, encoding_needs, is_segmental, parts_of
 from visualspeech.models.families import FAMILIES
 from visualspeech.models.rows import ModelRow
 from visualspeech.schema import unknown
@@ -41,13 +41,13 @@ def segment_mistakes(rows: Iterable[ModelRow], blocks: Mapping[str, Mapping], wh
     rows, blocks : of the system
     where : its place in the settings, for messages
     """
-    # What HMMs need to know of a block of segments is how many of them a phone has.
-    segmental = {name: hasattr(block_class(block["kind"]), "divisions") for name, block in blocks.items()}
+    segmental = {name: is_segmental(block_class(block["kind"])) for name, block in blocks.items()}
     found = []
     for row in rows:
         family = FAMILIES[row.family]
         for name in row.reads if not family.made_of else ():
-            if segmental[name] != family.segmental:
+            # A window of segments is a mistake of its own.
+            if segmental[name] != family.segmental and not (segmental[name] and name in row.windows):
                 has, reads = ("segments", "frames") if segmental[name] else ("frames", "segments")
                 others = ", ".join(other for other in blocks if segmental[other] == family.segmental) or "none"
                 found.append(
