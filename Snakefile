@@ -35,6 +35,7 @@ wildcard_constraints:
 
 include: "workflow/inputs/systems.smk"
 include: "workflow/inputs/tables.smk"
+include: "workflow/inputs/visemes.smk"
 include: "workflow/inputs/report.smk"
 include: "workflow/inputs/speaking.smk"
 include: "workflow/rules/corpus.smk"
@@ -46,6 +47,8 @@ include: "workflow/rules/coding.smk"
 include: "workflow/rules/features.smk"
 include: "workflow/rules/models.smk"
 include: "workflow/rules/tables.smk"
+include: "workflow/rules/figures.smk"
+include: "workflow/rules/visemes.smk"
 include: "workflow/rules/videos.smk"
 include: "workflow/rules/preference.smk"
 include: "workflow/rules/speak.smk"
@@ -70,6 +73,7 @@ localrules:
     tally,
     speaker,
     speak,
+    viseme_numbers,
     report,
 
 
@@ -138,12 +142,17 @@ rule videos:
 
 rule speaker:
     input:
-        speaker_folders(),
+        speaker_folders,
 
 
 rule speak:
     input:
-        spoken_videos(),
+        spoken_videos,
+
+
+rule viseme_numbers:
+    input:
+        viseme_number_tables,
 
 
 rule preference:

@@ -28,7 +28,7 @@ def main(results: Path, system: str, model: str, *changes: str) -> None:
         kept: dict[tuple, HmmModel] = {}
         for change in changes or ("",):
             given = dict(pair.split("=") for pair in change.split(",") if pair)
-            settings = replace(base, **{key: _value(text) for key, text in given.items()})
+            settings = replace(base, **{key: value_of(text) for key, text in given.items()})
             found = None
             for variant in VARIANTS[: VARIANTS.index(base.variant) + 1]:
                 # What only later variants read need not be trained again.
@@ -42,7 +42,7 @@ def main(results: Path, system: str, model: str, *changes: str) -> None:
                 print(f"{change or 'as in the run'}: {variant}: {figures}, {seconds:.1f} s", flush=True)
 
 
-def _value(text: str):
+def value_of(text: str):
     """A number or truth value as JSON writes it; anything else is text."""
     try:
         return json.loads(text)

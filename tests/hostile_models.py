@@ -16,6 +16,7 @@ import json
 import shutil
 import warnings
 from collections.abc import Iterator, Mapping
+from dataclasses import replace
 from pathlib import Path
 from typing import NamedTuple
 
@@ -33,10 +34,15 @@ from visualspeech.face.aam.model import Aam
 from visualspeech.face.aam.reference import Reference, texture_image
 from visualspeech.face.head import HeadModel
 from visualspeech.features.blocks.base import Source
+from visualspeech.features.blocks.dynamic_visemes import DynamicVisemes
+from visualspeech.features.blocks.full_context import FullContext
+from visualspeech.features.blocks.linguistic import Linguistic
+from visualspeech.features.blocks.phone import Phone
 from visualspeech.features.blocks.phone_track import PhoneTrack, PhoneTrackSettings
 from visualspeech.features.blocks.triphone_state import TriphoneState
+from visualspeech.features.blocks.viseme_context import VisemeContext
 from visualspeech.features.examples import Example
-from visualspeech.models import ensemble, gv_compensation, lookup, mean, stack
+from visualspeech.models import dnn, ensemble, gv_compensation, lookup, mean, stack
 from visualspeech.models.hmm import family as hmm
 from visualspeech.models.registry import load_model
 from visualspeech.models.rows import ModelRow
@@ -48,8 +54,13 @@ from visualspeech.storage.arrays import ArrayReader
 from visualspeech.storage.models import read_model, write_model
 
 PHONES = ("sil", "aa", "b", "iy", "m", "s")
-#: One of each family, a stack that reads sound, and a network of convolutions with dynamic outputs.
-MODELS = ("stack", "convolutions", "hmm", "lookup", "mean", "ensemble", "gv_compensation", "sound")
+#: One of each family, HSMMs that read numbers beside phones, a stack of sound, one of contextual features, one of
+#: dynamic visemes, and a network of convolutions with dynamic outputs.
+MODELS = (
+    "stack", "convolutions", "dnn", "hmm", "hsmm", "lookup", "mean", "ensemble", "gv_compensation", "linguistic",
+    "visemes", "sound",
+)  # fmt: skip
+BY_FRAME = {"batcher": "shuffled_frames", "objective": "mse", "scaling": "dimension"}
 WHOLE = 0.02  # share of the cases that load a whole folder and render it
 RENDERED = 0.2  # share of the loaded folders of which a frame is rendered, which takes longest
 SLOW = {"background": 0.3, "speaker": 0.3, "rest": 0.2}  # weights of parts whose cases take longest; others have 1
@@ -89,6 +100,10 @@ def make(folder: Path) -> Path:
     hmm.fit(task("hmm", {**small, "variant": "monophone"}, track)).model.save(made / "parent.safetensors")
     tied = task("hmm", {**small, "variant": "tied"}, track, parents=[made / "parent.safetensors"])
     hmm.fit(tied).model.save(made / "model_hmm.safetensors")
+    context, small = FullContext(PHONES), {**small, "durations": "gaussian"}
+    hmm.fit(task("hmm", {**small, "variant": "monophone"}, context)).model.save(made / "parent.safetensors")
+    tied = task("hmm", {**small, "variant": "tied"}, context, parents=[made / "parent.safetensors"])
+    hmm.fit(tied).model.save(made / "model_hsmm.safetensors")
     settings = {"context": "triphone", "min_count": 2}
     lookup.fit(task("lookup", settings, TriphoneState(PHONES))).model.save(made / "model_lookup.safetensors")
     mean.fit(task("mean", {}, TriphoneState(PHONES))).model.save(made / "model_mean.safetensors")
@@ -96,12 +111,29 @@ def make(folder: Path) -> Path:
     settings = {"letters": "FC", "nodes": 4, "trajectory": "mlpg"}
     convolutions = task("stack", settings, TriphoneState(PHONES), options={"max_epochs": 2})
     stack.fit(convolutions).model.save(made / "model_convolutions.safetensors")
+    features = Linguistic.fit({}, PHONES, [Source(25, 25.0, spoken(PHONES[1:])), Source(25, 25.0, spoken(PHONES[3:]))])
+    contextual = task("stack", {"letters": "F", "nodes": 4}, Phone(PHONES), features, options={"max_epochs": 2})
+    stack.fit(contextual).model.save(made / "model_linguistic.safetensors")
+    settings = {"layers": 2, "nodes": 4, "trajectory": "mlpg"}
+    windowed = task("dnn", settings, TriphoneState(PHONES), options={"max_epochs": 2, **BY_FRAME})
+    windowed = replace(windowed, row=replace(windowed.row, windows={"triphone_state": 0.12}))
+    dnn.fit(windowed).model.save(made / "model_dnn.safetensors")
+    visemes = viseme_blocks([bundle.rest + spread * random.normal(size=(25, len(spread))) for _ in range(4)])
+    seen = task("stack", {"letters": "F", "nodes": 4}, *visemes, options={"max_epochs": 2})
+    stack.fit(seen).model.save(made / "model_visemes.safetensors")
     members = [made / f"model_{name}.safetensors" for name in ("convolutions", "hmm", "lookup")]
     blocks = TriphoneState(PHONES), track
     ensemble.fit(task("ensemble", {}, *blocks, parents=members)).model.save(made / "model_ensemble.safetensors")
     compensation = task("gv_compensation", {}, *blocks, parents=[made / "model_ensemble.safetensors"])
     gv_compensation.fit(compensation).model.save(made / "model_gv_compensation.safetensors")
     return made
+
+
+def viseme_blocks(faces) -> tuple[DynamicVisemes, VisemeContext]:
+    """Predicted dynamic visemes and their contexts, learned from the parameters (25, N) of some utterances."""
+    recorded = [Source(25, 25.0, spoken(PHONES[1:]), parameters=face, id=str(n)) for n, face in enumerate(faces)]
+    visemes = DynamicVisemes.fit({"classes": 3, "folds": 2}, PHONES, recorded)
+    return visemes, VisemeContext.fit({"visemes": "dv"}, PHONES, recorded, {"dv": visemes})
 
 
 def spoken(phones):

@@ -64,8 +64,11 @@ def readme_rows() -> list[str]:
 def _objects(node: Mapping, title: str) -> Iterator[tuple[str, Mapping]]:
     if node.get("properties"):
         yield title, node
-        for key, inner in node["properties"].items():
-            yield from _objects(inner, f"{title}.{key}")
+    inner = dict(node.get("properties", {}))
+    if isinstance(node.get("additionalProperties"), Mapping):
+        inner["<name>"] = node["additionalProperties"]
+    for key, one in inner.items():
+        yield from _objects(one, f"{title}.{key}")
 
 
 def _default(key: str, node: Mapping, required) -> str:

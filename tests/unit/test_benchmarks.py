@@ -16,7 +16,7 @@ FOLDER = REPOSITORY / "benchmarks"
 #: Runs in an environment of its own, without this project.
 FOREIGN = {"menpofit_worker"}
 #: What benchmarks share.
-SHARED = {"command", "runs", "synthetic"}
+SHARED = {"command", "contextual", "runs", "synthetic"}
 BENCHMARKS = sorted({path.stem for path in FOLDER.glob("*.py")} - {"__init__"} - FOREIGN - SHARED)
 
 

@@ -18,7 +18,11 @@ ROWS = {
     "rich": ("stack", ["triphone_state", "label_parts"]),
     "classes": ("stack", ["phone_classes"]),
     "heard": ("stack", ["log_mel"]),
+    "context": ("stack", ["phone", "linguistic"]),
+    "visemes": ("stack", ["dynamic_visemes", "viseme_context"]),
+    "dnn": ("dnn", ["triphone_state"]),
     "hmm": ("hmm", ["phone_track"]),
+    "hsmm": ("hmm", ["full_context"]),
     "lookup": ("lookup", ["triphone_state"]),
     "mean": ("mean", []),
     "ensemble": ("ensemble", ["triphone_state", "phone_track"]),
@@ -27,7 +31,7 @@ ROWS = {
 #: Rows that a row is made of; their code is part of its own.
 PARENTS = {"ensemble": ("stack", "hmm"), "gv": ("stack",)}
 #: Rows of networks, and those that are made of some.
-NETWORKS = {"stack", "rich", "classes", "heard", "ensemble", "gv"}
+NETWORKS = {"stack", "rich", "classes", "heard", "context", "visemes", "dnn", "ensemble", "gv"}
 
 
 @pytest.fixture
@@ -78,11 +82,11 @@ def test_the_copy_has_the_digests_of_the_original(package, monkeypatch):
 @pytest.mark.parametrize(
     ("module", "rows"),
     [
-        ("models/hmm/family.py", {"hmm", "ensemble"}),
-        ("models/hmm/mge.py", {"hmm", "ensemble"}),
-        ("models/hmm/model.py", {"hmm", "ensemble"}),
-        ("models/hmm/tying.py", {"hmm", "ensemble"}),
-        ("models/trajectory/generation.py", NETWORKS | {"hmm"}),
+        ("models/hmm/family.py", {"hmm", "hsmm", "ensemble"}),
+        ("models/hmm/mge.py", {"hmm", "hsmm", "ensemble"}),
+        ("models/hmm/model.py", {"hmm", "hsmm", "ensemble"}),
+        ("models/hmm/tying.py", {"hmm", "hsmm", "ensemble"}),
+        ("models/trajectory/generation.py", NETWORKS | {"hmm", "hsmm"}),
         ("models/trajectory/mlpg.py", NETWORKS),
         ("models/layers.py", NETWORKS),
         ("models/fitting.py", NETWORKS),
@@ -91,8 +95,13 @@ def test_the_copy_has_the_digests_of_the_original(package, monkeypatch):
         ("models/members.py", {"ensemble", "gv"}),
         ("models/combined_settings.py", {"ensemble", "gv"}),
         ("models/combined_rows.py", set()),
-        ("models/stack.py", NETWORKS),
-        ("models/stack_settings.py", NETWORKS),
+        ("models/stack.py", NETWORKS - {"dnn"}),
+        ("models/stack_settings.py", NETWORKS - {"dnn"}),
+        ("models/dnn.py", {"dnn"}),
+        ("models/dnn_settings.py", {"dnn"}),
+        ("models/gathered.py", NETWORKS),
+        ("models/frames.py", NETWORKS),
+        ("models/reads.py", set()),
         ("models/training.py", NETWORKS),
         ("models/objectives.py", NETWORKS),
         ("models/lookup.py", {"lookup"}),
@@ -103,13 +112,19 @@ def test_the_copy_has_the_digests_of_the_original(package, monkeypatch):
         ("models/registry.py", set()),
         ("models/rest.py", set()),
         ("models/inventory.py", set()),
-        ("features/blocks/triphone_state.py", (NETWORKS | {"lookup"}) - {"classes", "heard"}),
+        ("features/blocks/triphone_state.py", (NETWORKS | {"lookup"}) - {"classes", "heard", "context", "visemes"}),
         ("features/blocks/label_parts.py", {"rich"}),
         ("features/blocks/phone_track.py", {"hmm", "ensemble"}),
         ("features/blocks/phone_classes.py", {"classes"}),
-        ("speech/phone_classes.py", {"hmm", "classes", "ensemble"}),
+        ("speech/phone_classes.py", {"hmm", "hsmm", "classes", "context", "visemes", "ensemble"}),
         ("features/blocks/log_mel.py", {"heard"}),
         ("speech/acoustics.py", {"heard"}),
+        ("features/blocks/linguistic.py", {"context"}),
+        ("features/linguistic.py", {"context", "visemes"}),
+        ("features/unit_contexts.py", {"context", "visemes"}),
+        ("features/blocks/dynamic_visemes.py", {"visemes"}),
+        ("features/blocks/viseme_context.py", {"visemes"}),
+        ("features/visemes/prediction.py", {"visemes"}),
         ("speech/segmentation.py", set()),
         ("planning/run.py", set()),
         ("planning/systems.py", set()),

@@ -17,8 +17,10 @@ from visualspeech.corpora.check_settings import CheckSettings
 from visualspeech.corpora.demo.recording import DemoSettings
 from visualspeech.errors import SettingError, StorageError
 from visualspeech.evaluation.comparisons import ComparisonSettings
+from visualspeech.evaluation.selection_settings import SelectionSettings
 from visualspeech.evaluation.statistics import BootstrapSettings
 from visualspeech.evaluation.tables import TableSettings
+from visualspeech.evaluation.viseme_numbers import VisemeNumberSettings
 from visualspeech.face.aam.fitting.model import FittingSettings
 from visualspeech.face.aam.model import AamSettings
 from visualspeech.face.aam.reference import ReferenceSettings
@@ -27,11 +29,16 @@ from visualspeech.face.head import PoseSettings
 from visualspeech.face.screening import ScreeningSettings
 from visualspeech.face.tracker import LandmarkSettings
 from visualspeech.features.blocks.base import block_class, block_kinds
+from visualspeech.features.blocks.dynamic_visemes import DynamicVisemesSettings
+from visualspeech.features.blocks.full_context import FullContextSettings
 from visualspeech.features.blocks.label_parts import LabelPartsSettings
+from visualspeech.features.blocks.linguistic import LinguisticSettings
 from visualspeech.features.blocks.log_mel import LogMelSettings
+from visualspeech.features.blocks.phone import PhoneSettings
 from visualspeech.features.blocks.phone_classes import PhoneClassesSettings
 from visualspeech.features.blocks.phone_track import PhoneTrackSettings
 from visualspeech.features.blocks.triphone_state import TriphoneStateSettings
+from visualspeech.features.blocks.viseme_context import VisemeContextSettings
 from visualspeech.fields import (
     MAX_SEED,
     FieldError,
@@ -44,6 +51,7 @@ from visualspeech.fields import (
     with_defaults,
 )
 from visualspeech.models.combined_settings import EnsembleSettings, GvCompensationSettings
+from visualspeech.models.dnn_settings import DnnSettings
 from visualspeech.models.families import FAMILIES
 from visualspeech.models.hmm.model import HmmSettings
 from visualspeech.models.lookup_settings import LookupSettings
@@ -55,11 +63,13 @@ from visualspeech.speech.forced_alignment import AlignmentSettings
 from visualspeech.speech.spoken_settings import VoiceSettings
 
 CLASSES = [
-    AamSettings, AlignmentSettings, BootstrapSettings, CheckSettings, ComparisonSettings, DemoSettings, DriftSettings,
-    EnsembleSettings, FittingSettings, GvCompensationSettings, HmmSettings, LabelPartsSettings, LandmarkSettings,
-    LogMelSettings, LookupSettings, PhoneClassesSettings, PhoneTrackSettings, PoseSettings, ReferenceSettings,
-    RenderSettings, ScreeningSettings, SpeakSettings, StackSettings, TableSettings, TrainingSettings,
-    TrajectorySettings, TriphoneStateSettings, VideoSettings, VoiceSettings, WalkSettings,
+    AamSettings, AlignmentSettings, BootstrapSettings, CheckSettings, ComparisonSettings, DemoSettings, DnnSettings,
+    DriftSettings, DynamicVisemesSettings, EnsembleSettings, FittingSettings, FullContextSettings,
+    GvCompensationSettings, HmmSettings, LabelPartsSettings, LandmarkSettings, LinguisticSettings, LogMelSettings,
+    LookupSettings, PhoneClassesSettings, PhoneSettings, PhoneTrackSettings, PoseSettings, ReferenceSettings,
+    RenderSettings, ScreeningSettings, SelectionSettings, SpeakSettings, StackSettings, TableSettings, TrainingSettings,
+    TrajectorySettings, TriphoneStateSettings, VideoSettings, VisemeContextSettings, VisemeNumberSettings,
+    VoiceSettings, WalkSettings,
 ]  # fmt: skip
 HEAVY = {"av", "torch", "cv2", "dlib", "pandas", "scipy", "matplotlib", "h5py", "pocketsphinx", "jsonschema"}
 BESIDE = {"minimum": -1, "above": 0, "maximum": 1, "below": 0}  # how far outside a bound a value is

@@ -239,8 +239,20 @@ def selected(changes):
             rf"`{FAN}.blocks.parts.parts: .* names stress more than",
         ),
         (
+            system("blocks: {ctx: {kind: linguistic, features: [position, tone]}}"),
+            f"`{FAN}.blocks.ctx.features.1: tone` must be one of position, number_of_frames, forward_span, acoustic_cl",
+        ),
+        (
+            system("blocks: {ctx: {kind: linguistic, features: [word, position, word]}}"),
+            rf"`{FAN}.blocks.ctx.features: .* names word more than once",
+        ),
+        (
+            system("blocks: {ph: {kind: phone, long_pause: -1}}"),
+            f"`{FAN}.blocks.ph.long_pause: -1` must be at least 0",
+        ),
+        (
             system("blocks: {tri: {kind: triphone}}"),
-            rf"`{FAN}.blocks.tri.kind: triphone` must be one of label_parts, log_mel, p",
+            rf"`{FAN}.blocks.tri.kind: triphone` must be one of dynamic_visemes, label_parts, l",
         ),
         (
             system("blocks: {tri: {size: 1}}"),
@@ -354,11 +366,11 @@ def selected(changes):
         ),
         (
             selected("coding: 3"),
-            "`systems.mine.coding: 3` is not known. Known: aam51. Or give the path of a YAML file.",
+            "`systems.mine.coding: 3` is not known. Known: aam34, aam51. Or give the path of a YAML file.",
         ),
         (
             selected("coding: aam15"),
-            r"`systems.mine.coding: aam15` is not known. Did you mean `aam51`\? Known: aam51. Or",
+            r"`systems.mine.coding: aam15` is not known. Did you mean `aam51`\? Known: aam34, aam51. Or",
         ),
         (
             selected("coding: {points: x}"),
@@ -437,7 +449,7 @@ def selected(changes):
         ),
         (
             "override: {codings: {aam15: {}}}",
-            r"`override.codings: aam15` is not known. Did you mean `aam51`\? Known: aam51",
+            r"`override.codings: aam15` is not known. Did you mean `aam51`\? Known: aam34, aam51",
         ),
         (
             "override: {system: {}}",

@@ -144,6 +144,11 @@ def check_together(trained: Model, speaker: Speaker, aam_digest: str, phones) ->
         The model was trained for others, or the texture grid is of another appearance model.
     """
     size, aam = len(speaker.aam.appearance_components), speaker.aam
+    if "faces" in needs_of_model(trained):
+        raise DataError(
+            "the model reads dynamic visemes of the recording (`source: oracle`), and new speech has none; name a "
+            "model with predicted ones."
+        )
     if trained.outputs != size or (trained.coding and trained.coding != aam_digest):
         raise DataError(
             f"the model was trained for another appearance model (digest {trained.coding or 'not known'}, "

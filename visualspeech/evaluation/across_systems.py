@@ -7,7 +7,17 @@ import numpy as np
 
 from visualspeech.errors import DataError
 from visualspeech.evaluation.facts import TableFacts
-from visualspeech.evaluation.layout import Cell, Row, Table, best_of, definitions_of, interval, shown
+from visualspeech.evaluation.layout import (
+    Cell,
+    Row,
+    Table,
+    best_of,
+    competes,
+    definitions_of,
+    interval,
+    oracle_note,
+    shown,
+)
 from visualspeech.evaluation.measured import MeasuredRows, check_same_utterances
 from visualspeech.evaluation.metrics import ABSOLUTE, METRICS, PROTOCOLS, Metric, is_measured
 from visualspeech.evaluation.statistics import (
@@ -52,8 +62,8 @@ class SystemRows:
 def systems_frame(systems: Sequence[SystemRows], bootstrap: BootstrapSettings):
     """Figures of all systems as a data frame: ``system row metric part value low high``, one line per row and column.
 
-    Predictions are compared with the recorded face in the system's own coding and at its own frame rate. Repetitions of
-    a model are one row. A measure whose statistics a system lacks is NaN.
+    Predictions are compared with the recorded face in the system's own coding. Repetitions of a model are one row. A
+    measure whose statistics a system lacks is NaN.
 
     Raises
     ------
@@ -133,7 +143,9 @@ def systems_tables(
     )
     notes = (
         "The best value in each column is bold; floors are left out.",
-        "The truth of each system is the recorded face at its own frame rate and in its own visual coding.",
+        *oracle_note([row for _, pooled in measured for row in pooled.rows]),
+        "Predictions of every system are brought to the frames of the camera, as a video shows them, and compared with "
+        "the recorded face there, in the system's own visual coding. Headings say the rate of a system's models.",
     )
     if lost:
         notes += (f"Left out, because a visual coding rejected them: {', '.join(sorted(lost))}.",)
@@ -148,9 +160,7 @@ def _with_protocol(metric: Metric) -> str:
 
 def _best(text, measured) -> set[tuple[str, str, str]]:
     """Keys of the best cells over all systems."""
-    rows = [
-        (system.facts.system, row.name) for system, pooled in measured for row in pooled.rows if row.role != "floor"
-    ]
+    rows = [(system.facts.system, row.name) for system, pooled in measured for row in pooled.rows if competes(row)]
     return {
         key
         for name, _ in COLUMNS

@@ -10,7 +10,17 @@ from visualspeech.evaluation.articulation import (
     Target,
     recorded_figures,
 )
-from visualspeech.evaluation.layout import Cell, Row, Table, best_of, definitions_of, interval, shown
+from visualspeech.evaluation.layout import (
+    Cell,
+    Row,
+    Table,
+    best_of,
+    competes,
+    definitions_of,
+    interval,
+    oracle_note,
+    shown,
+)
 from visualspeech.evaluation.measured import MeasuredRows
 from visualspeech.evaluation.metrics import is_measured
 from visualspeech.evaluation.statistics import NO_FIGURE, BootstrapSettings, Figure, draws, figure, sample
@@ -56,7 +66,7 @@ def articulation_tables(
     figures |= {(RECORDED, name): Figure(value, *[float("nan")] * 2) for name, value in known.items()}
     cells = {key: _text(value, LAG_DIGITS if key[1] == "opening_lag" else digits) for key, value in figures.items()}
     kinds = [(row.name, row.title, row.role) for row in measured.rows] + [(RECORDED, "Recorded faces", "floor")]
-    compared = [name for name, _, role in kinds if role != "floor"]
+    compared = [row.name for row in measured.rows if competes(row)]
     best = {
         (row, name)
         for name, metric in ARTICULATION.items()
@@ -81,6 +91,7 @@ def articulation_tables(
         facts=(*facts, *_occurrences(first, known), ("intervals", bootstrap.text(measured))),
         notes=(
             "The best value in each column is bold.",
+            *oracle_note(measured.rows),
             "From decoded points of the lips; means of utterances are not removed. "
             f"An occurrence lasts from {1000 * MARGIN:g} ms before a phone to {1000 * MARGIN:g} ms after it.",
             *_thresholds(targets),

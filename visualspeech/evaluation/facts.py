@@ -1,7 +1,7 @@
 """Facts about the data of a table's figures, shown in the header of every table."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from visualspeech import __version__
 from visualspeech.evaluation.measured import MeasuredRows
@@ -64,6 +64,10 @@ class TableFacts:
             coding_sizes=coding_sizes(shapes),
             seeds=measured.seeds,
         )
+
+    def at(self, rate: float) -> "TableFacts":
+        """The facts of a system of that frame rate in Hz, whose figures are taken on other frames; 0: the same rate."""
+        return replace(self, rate=(rate,)) if rate else self
 
     def lines(self, measured: MeasuredRows, protocol: str = "") -> tuple[tuple[str, str], ...]:
         """The facts as (name, text) pairs, with the number of test utterances and frames, and the protocol if given."""

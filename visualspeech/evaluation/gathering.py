@@ -30,6 +30,10 @@ LIBRARIES = ("numpy", "scipy", "torch", "opencv-contrib-python-headless", "dlib-
 #: Maximum number of networks in one panel of learning curves; more are drawn in one panel per topology.
 MAX_CURVES = 6
 
+VISEMES = (
+    "The most frequent classes of dynamic visemes, with their share of the training gestures: the face when the mean "
+    "gesture begins, in its middle, and at its end"
+)
 #: Stages that process every recorded frame once; other stages have no frames per second.
 FRAME_STAGES = ("check_recordings", "track_landmarks", "normalise_pose")
 
@@ -47,8 +51,8 @@ def system_section(given: Mapping, alignments: Sequence[str], report: str, traje
     given : ``name`` and ``title`` of the system; ``facts`` as (name, text) pairs; and paths: ``utterances`` (the table
         of those that its models see), ``tables`` (HTML pages), ``targets`` (shards), ``curves`` (of the ``rows``, plain
         :class:`ModelRow`, in the same order), ``coding`` and ``reference`` (models, empty for a coding without
-        texture), ``predictions`` of the model named ``model``, and ``videos`` (a folder). What is empty is left out of
-        the section
+        texture), ``visemes`` (pictures), ``predictions`` of the model named ``model``, ``videos`` (a folder), and
+        ``figures`` (pictures) with their ``captions``. What is empty is left out of the section
     alignments : shards of the alignment
     report : path of the page, to which links are relative
     trajectories : number of test utterances whose trajectories are shown
@@ -67,6 +71,11 @@ def system_section(given: Mapping, alignments: Sequence[str], report: str, traje
             if given["predictions"]
             else (),
             modes=aam_modes(Aam.load(given["coding"]), Reference.load(given["reference"])) if given["coding"] else (),
+            figures=tuple(
+                Picture(Path(path).read_bytes(), caption)
+                for path, caption in zip(given["figures"], given["captions"], strict=True)
+            ),
+            visemes=tuple(Picture(Path(path).read_bytes(), VISEMES) for path in given["visemes"]),
             videos=videos(given["videos"], report, utterances, given["model"]) if given["videos"] else (),
         )
 

@@ -8,6 +8,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from visualspeech.evaluation.metrics import Metric
+from visualspeech.models.rows import ORACLE, ModelRow
 
 
 @dataclass(frozen=True)
@@ -89,6 +90,22 @@ def best_of(metric: Metric, figures: Mapping[str, str]) -> set[str]:
     # Rounding makes 0.9 and 1.1 equally far from 1.
     costs = {key: round(metric.cost(float(text)), 12) for key, text in figures.items() if text}
     return {key for key, cost in costs.items() if cost == min(costs.values())} if len(costs) > 1 else set()
+
+
+def competes(row: ModelRow) -> bool:
+    """Whether a row can have the best value of a column; what is read off the recorded face cannot."""
+    return row.role not in ("floor", ORACLE)
+
+
+def oracle_note(rows: Sequence[ModelRow]) -> tuple[str, ...]:
+    """What the rows know whose input is read off the recorded face; empty if there are none."""
+    titles = list(dict.fromkeys(row.title for row in rows if row.role == ORACLE))
+    if not titles:
+        return ()
+    return (
+        f"Oracle rows: {', '.join(titles)}. Their input is read off the recorded face of the test utterance, which is "
+        "the answer. They are no predictions from text, and none of their values is marked as the best.",
+    )
 
 
 def definitions_of(metrics: Sequence[Metric]) -> tuple[tuple[str, str], ...]:

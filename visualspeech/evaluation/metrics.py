@@ -1,4 +1,5 @@
-"""Objective measures of a predicted face sequence: Eq. 16-19 of Fan et al. (2015), and three others.
+"""Objective measures of a predicted face sequence: Eq. 16-19 of Fan et al. (2015), two of Thangthai et al. (2016), and
+three others.
 
 An utterance is represented by *sufficient statistics*: numbers whose sums over utterances determine the figure of a
 corpus. Eq. 16-19, the lip distance and the global-variance ratio are quotients of two sums; the concordance correlation
@@ -162,6 +163,22 @@ _CENTRED = (
         ("frames", "predicted", "true", "predicted_squared", "true_squared", "predicted_true"),
         value=concordance,
     ),
+    Metric(
+        "corr_first5",
+        "Correlation (v1-v5)",
+        "correlation over time of prediction and truth within an utterance, averaged over the first five dimensions of "
+        "v and then over utterances (Thangthai et al. 2016; a dimension with an undefined correlation counts as 0)",
+        "high",
+        ("corr_first5_sum", "utterances"),
+    ),
+    Metric(
+        "rmse_first5",
+        "RMSE (v1-v5)",
+        "root mean square error over time within an utterance, averaged over the first five dimensions of v and then "
+        "over utterances (Thangthai et al. 2016)",
+        "low",
+        ("rmse_first5_sum", "utterances"),
+    ),
 )
 
 
@@ -175,8 +192,8 @@ def absolute(metric: Metric) -> Metric:
     return replace(metric, name=name, columns=columns, protocol=ABSOLUTE)
 
 
-#: In the absolute protocol. The global-variance ratio is the same in both.
-_ABSOLUTE = tuple(absolute(metric) for metric in _CENTRED if metric.name != "gv_ratio")
+#: In the absolute protocol. The global-variance ratio and the correlation over time are the same in both.
+_ABSOLUTE = tuple(absolute(metric) for metric in _CENTRED if metric.name not in ("gv_ratio", "corr_first5"))
 METRICS: dict[str, Metric] = {metric.name: metric for metric in (*_CENTRED, *_ABSOLUTE)}
 
 
@@ -227,6 +244,18 @@ def _columns(table, name: str) -> list[str]:
 def total(statistics: np.ndarray) -> np.ndarray:
     """Sums over utterances, (..., utterances, k) -> (..., k)."""
     return np.stack([statistics[..., index].sum(axis=-1) for index in range(statistics.shape[-1])], axis=-1)
+
+
+def over_utterances(table, metric: Metric) -> tuple[float, float]:
+    """Mean over utterances of the figure of each, and its sample standard deviation (NaN of a single utterance).
+
+    Utterances whose figure is undefined are left out.
+    """
+    each = metric.value(statistics_of(table, metric))
+    each = each[np.isfinite(each)]
+    if not len(each):
+        return float("nan"), float("nan")
+    return float(each.mean()), float(each.std(ddof=1)) if len(each) > 1 else float("nan")
 
 
 def corpus_figure(table, name: str) -> float:

@@ -154,9 +154,7 @@ def trajectories(
     from visualspeech.timing import frame_times
 
     true = np.asarray(true)
-    for model, values in predicted.items():
-        if np.shape(values) != true.shape:
-            raise DataError(f"{model} predicts an array of shape {np.shape(values)}, the truth has {true.shape}.")
+    _check_shapes(true, predicted)
     count = min(count, true.shape[1])
     times = frame_times(len(true), rate)
     end = len(true) / rate
@@ -182,6 +180,67 @@ def trajectories(
         handles, labels = panels[0].get_legend_handles_labels()
         figure.legend(handles, labels, loc="outside upper right", ncols=min(5, len(labels)))
         return _png(figure)
+
+
+def parameter(
+    true: np.ndarray,
+    predicted: Mapping[str, np.ndarray],
+    rate: float,
+    phones: Sequence[tuple[str, float, float]],
+    number: int,
+    name: str = "v",
+    title: str = "",
+) -> bytes:
+    """One parameter of an utterance, recorded and predicted, each less its mean; vertical lines where phones begin.
+
+    Fig. 1 of Thangthai et al. (2016).
+
+    Parameters
+    ----------
+    true : shape (T, N)
+    predicted : title of a model -> shape (T, N)
+    rate, phones, name, title : as for :func:`trajectories`
+    number : of the parameter, from 1
+
+    Returns
+    -------
+    bytes
+        a PNG
+
+    Raises
+    ------
+    DataError
+        There is no such parameter, or a prediction's shape is not that of the truth.
+    """
+    from visualspeech.timing import frame_times
+
+    true = np.asarray(true)
+    if not 1 <= number <= true.shape[1]:
+        raise DataError(f"there is no parameter {number}; the visual coding has {true.shape[1]}.")
+    _check_shapes(true, predicted)
+    times, end = frame_times(len(true), rate), len(true) / rate
+    with _style():
+        figure = _figure(10.5, 3.4)
+        axes = figure.subplots()
+        axes.grid(False)
+        for _, start, _ in phones:
+            axes.axvline(start, color="#c8c8c8", linewidth=0.8, zorder=0)
+        curves = {"recorded": true, **predicted}
+        for index, (label, values) in enumerate(curves.items()):
+            curve = np.asarray(values, np.float64)[:, number - 1]
+            colour, width = (TRUTH, 1.9) if index == 0 else (COLOURS[index % len(COLOURS)], 1.6)
+            axes.plot(times, curve - curve.mean(), color=colour, linewidth=width, label=str(label))
+        axes.set(xlim=(0, end), xlabel="seconds", ylabel=f"{name}{number} less its mean")
+        axes.set_title(title if len(title) <= 100 else title[:99] + "…")
+        _phone_labels(axes, phones, end)
+        figure.legend(*axes.get_legend_handles_labels(), loc="outside upper right", ncols=min(3, len(curves)))
+        return _png(figure)
+
+
+def _check_shapes(true: np.ndarray, predicted: Mapping[str, np.ndarray]) -> None:
+    for model, values in predicted.items():
+        if np.shape(values) != true.shape:
+            raise DataError(f"{model} predicts an array of shape {np.shape(values)}, the truth has {true.shape}.")
 
 
 def _phone_labels(axes, phones: Sequence[tuple[str, float, float]], end: float) -> None:

@@ -13,6 +13,24 @@ FOLDER = Path(__file__).parent / "published"
 
 
 @dataclass(frozen=True)
+class PublishedSelection:
+    """One printed table of means and standard deviations over utterances.
+
+    Parameters
+    ----------
+    metrics : names of the measures, in the order of its columns
+    figures : row -> measure -> (mean, standard deviation)
+    digits : decimals that the paper prints, by measure
+    notes : sentences below the table
+    """
+
+    metrics: tuple[str, ...]
+    figures: Mapping[str, Mapping[str, tuple[float, float]]]
+    digits: Mapping[str, int]
+    notes: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True)
 class Published:
     """What a paper prints; an empty field is a table that it does not have.
 
@@ -25,6 +43,7 @@ class Published:
     gains : name of a model -> figures by measure: reference models, and the best network
     best : name of the best network among them
     preference : answer -> share of the listeners
+    selections : name of a table of chosen rows -> what the paper prints in it
     """
 
     source: str
@@ -36,6 +55,7 @@ class Published:
     gains: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
     best: str = ""
     preference: Mapping[str, float] = field(default_factory=dict)
+    selections: Mapping[str, PublishedSelection] = field(default_factory=dict)
 
 
 def published_names() -> list[str]:
@@ -49,7 +69,8 @@ def published(key: str) -> Published | None:
 
     The file names ``source``, ``corpus`` and ``metrics``. Its sections, none of which it must have: ``topologies``
     (``figures`` by stack and nodes; ``trained`` with ``stacks`` and ``nodes``), ``gains`` (``best``, ``figures`` by
-    model), ``preference``.
+    model), ``preference``, ``selections`` (by name ``metrics``, and ``figures`` by row: for each measure mean and
+    deviation; ``notes``).
 
     Raises
     ------
@@ -94,4 +115,22 @@ def published_of(data: Mapping, key: str) -> Published:
         gains={name: by_metric(figures) for name, figures in gains.get("figures", {}).items()},
         best=gains.get("best", ""),
         preference=data.get("preference", {}),
+        selections={
+            name: _selection(given, f"{key}.yaml: {name}") for name, given in data.get("selections", {}).items()
+        },
     )
+
+
+def _selection(given: Mapping, where: str) -> PublishedSelection:
+    metrics = tuple(metric_named(name).name for name in given["metrics"])
+    rows = {}
+    for row, figures in given["figures"].items():
+        if len(figures) != len(metrics) or any(len(one) != 2 for one in figures):
+            raise SettingError(
+                f"published/{where}: {row} must have mean and deviation for each of {len(metrics)} measures."
+            )
+        rows[str(row)] = {
+            name: (float(mean), float(spread)) for name, (mean, spread) in zip(metrics, figures, strict=True)
+        }
+    digits = dict(zip(metrics, given["digits"], strict=True))
+    return PublishedSelection(metrics, rows, digits, tuple(given.get("notes", ())))

@@ -81,7 +81,7 @@ class SystemSection:
     title : for people
     facts : (name, text) pairs: frame rate, visual coding, ...
     tables : result tables as HTML, from :func:`visualspeech.evaluation.forms.to_html`; the first is the main one
-    learning_curves, trajectories, modes : pictures
+    learning_curves, trajectories, modes, visemes, figures : pictures
     videos : links
     """
 
@@ -92,6 +92,8 @@ class SystemSection:
     learning_curves: tuple[Picture, ...] = ()
     trajectories: tuple[Picture, ...] = ()
     modes: tuple[Picture, ...] = ()
+    figures: tuple[Picture, ...] = ()
+    visemes: tuple[Picture, ...] = ()
     videos: tuple[Video, ...] = ()
 
 

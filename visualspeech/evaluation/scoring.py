@@ -8,6 +8,9 @@ import numpy as np
 from visualspeech.errors import DataError
 from visualspeech.evaluation.metrics import METRICS
 
+#: Number of dimensions over which the measures of Thangthai et al. (2016) are averaged.
+FIRST = 5
+
 
 @dataclass(frozen=True)
 class FaceSequence:
@@ -80,6 +83,18 @@ def frame_point_distance(predicted: np.ndarray, true: np.ndarray) -> np.ndarray:
     return np.linalg.norm(predicted - true, axis=2).mean(axis=1)
 
 
+def correlation_over_time(predicted: np.ndarray, true: np.ndarray) -> np.ndarray:
+    """Pearson correlation over the frames of each dimension: (T, N), (T, N) -> (N,); NaN where one is constant."""
+    predicted, true = _pair(predicted, true)
+    return frame_correlation(predicted.T, true.T)
+
+
+def rmse_over_time(predicted: np.ndarray, true: np.ndarray) -> np.ndarray:
+    """Root mean square error over the frames of each dimension: (T, N), (T, N) -> (N,)."""
+    predicted, true = _pair(predicted, true)
+    return np.sqrt(np.mean((predicted - true) ** 2, axis=0))
+
+
 def scatter_over_time(values: np.ndarray) -> float:
     """Sum over frames and dimensions of the squared deviation from the utterance's mean: (T, N) -> number."""
     values = np.asarray(values, dtype=np.float64)
@@ -100,8 +115,9 @@ def score(
     its weight (``rmse_shape_sum``, ...; the weight is the number of frames, of ``gv_ratio_sum`` the true scatter);
     ``corr_undefined``, the number of frames whose correlation is undefined (each adds 0 to the sum of Eq. 19 and 1 to
     its count of frames, so that every row of a table is divided by the same number); ``true_scatter``; and for each
-    dimension of the appearance parameters the sums of :func:`visualspeech.evaluation.metrics.concordance`. In the
-    absolute protocol, ``lip_distance_px_absolute_sum``, and the errors of parameters where drift was kept.
+    dimension of the appearance parameters the sums of :func:`visualspeech.evaluation.metrics.concordance`;
+    ``utterances``, which is 1, and the measures of the first dimensions over time. In the absolute protocol,
+    ``lip_distance_px_absolute_sum``, and the errors of parameters where drift was kept.
 
     Parameters
     ----------
@@ -124,6 +140,7 @@ def score(
     if drift_kept:
         means |= {f"{name}_absolute": mean for name, mean in _means(predicted, true).items()}
         moments |= _moments(predicted.appearance, true.appearance, "_absolute")
+        moments["rmse_first5_absolute_sum"] = float(rmse_over_time(*_first(predicted, true)).mean())
     means["lip_distance_px_absolute"] = float(frame_point_distance(predicted.lips, lips).mean())
     scatter = scatter_over_time(true.appearance)
     kept = scatter_over_time(predicted.appearance) / scatter if scatter > 0 else 0.0
@@ -135,6 +152,9 @@ def score(
         "corr_undefined": int(np.isnan(correlation).sum()),
         "gv_ratio_sum": kept * scatter,
         "true_scatter": scatter,
+        "utterances": 1,
+        "corr_first5_sum": float(np.nan_to_num(correlation_over_time(*_first(x, y))).mean()),
+        "rmse_first5_sum": float(rmse_over_time(*_first(x, y)).mean()),
         **moments,
     }
 
@@ -149,6 +169,11 @@ def _means(predicted: FaceSequence, true: FaceSequence) -> dict[str, float]:
         "corr": float(np.where(np.isnan(correlation), 0.0, correlation).mean()),
         "lip_distance_px": float(frame_point_distance(predicted.lips, true.lips).mean()),
     }
+
+
+def _first(predicted: FaceSequence, true: FaceSequence) -> tuple[np.ndarray, np.ndarray]:
+    """The first dimensions of the appearance parameters."""
+    return predicted.appearance[:, :FIRST], true.appearance[:, :FIRST]
 
 
 def _moments(predicted, true, ending: str = "") -> dict[str, float]:

@@ -8,6 +8,7 @@ from visualspeech.evaluation.articulation import Target, articulation_of
 from visualspeech.evaluation.scoring import FaceSequence, score
 from visualspeech.face.aam.model import Aam
 from visualspeech.face.point_sets import PointSet, to_points
+from visualspeech.features.resampling import resample
 from visualspeech.speech.alignment import Alignment
 
 
@@ -30,6 +31,23 @@ def recorded_sequence(arrays: Mapping[str, np.ndarray], points: PointSet) -> Fac
 def lip_offset(offset: np.ndarray, points: PointSet) -> np.ndarray:
     """Offset (20, 2) of the lip points, of the offset (2N,) of an utterance's shape vectors."""
     return points.region(to_points(offset[None]), "lips")[0]
+
+
+class OnFrames:
+    """Predictions brought to the frames of recorded streams, as a video shows them.
+
+    Parameters
+    ----------
+    predictions, recorded : opened files with the array ``appearance``, at rates of their own
+    """
+
+    def __init__(self, predictions, recorded) -> None:
+        self._predictions, self._recorded = predictions, recorded
+
+    def array(self, utterance_id: str, name: str) -> np.ndarray:
+        """The predicted array at the rate of the recorded one, and of its length."""
+        rate, frames = self._recorded.rate(utterance_id), self._recorded.length(utterance_id, name)
+        return resample(self._predictions.array(utterance_id, name), self._predictions.rate(utterance_id), rate, frames)
 
 
 def scores(

@@ -3,7 +3,17 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
-from visualspeech.evaluation.layout import Cell, Row, Table, best_of, definitions_of, interval, shown
+from visualspeech.evaluation.layout import (
+    Cell,
+    Row,
+    Table,
+    best_of,
+    competes,
+    definitions_of,
+    interval,
+    oracle_note,
+    shown,
+)
 from visualspeech.evaluation.measured import MeasuredRows
 from visualspeech.evaluation.metrics import METRICS, PROTOCOLS, Metric
 from visualspeech.evaluation.statistics import BootstrapSettings, summarise
@@ -19,7 +29,7 @@ class TableSettings(Settings):
 
     section = "tables"
     metrics: tuple[str, ...] = setting(
-        tuple(name for name in METRICS if not name.startswith("ccc")),
+        tuple(name for name in METRICS if not name.startswith("ccc") and "first5" not in name),
         "Measures shown, in the order of the columns; those of the absolute protocol in a table of their own, and only "
         "where they are defined.",
         item={"description": "A measure; its formula is in docs/papers.md.", "choices": METRICS},
@@ -82,7 +92,7 @@ def _pair(measured: MeasuredRows, metrics, cells: Mapping, title: str, facts) ->
         tuple(metric.heading for metric in metrics),
         _rows(measured, metrics, cells, "value", best_cells(measured, metrics, cells)),
         facts=facts,
-        notes=("The best value in each column is bold.",),
+        notes=("The best value in each column is bold.", *oracle_note(measured.rows)),
     )
     ratios = Table(
         f"{title}: ratio to the {base}",
@@ -95,8 +105,8 @@ def _pair(measured: MeasuredRows, metrics, cells: Mapping, title: str, facts) ->
 
 
 def best_cells(measured: MeasuredRows, metrics: Sequence[Metric], cells: Mapping) -> frozenset[tuple[str, str]]:
-    """The (row, metric) pairs with the best figures; the floor is left out because it is computed from the truth."""
-    rows = [row.name for row in measured.rows if row.role != "floor"]
+    """The (row, metric) pairs with the best figures, without those of rows that are computed from the truth."""
+    rows = [row.name for row in measured.rows if competes(row)]
     return frozenset(
         (row, metric.name)
         for metric in metrics

@@ -177,7 +177,7 @@ def _stack_facts(measured: MeasuredRows, group: str) -> tuple[tuple[str, str], .
     first = next(row for row in measured.rows if row.family == FAMILY and row.group == group)
     counts = first.settings.get("b_nodes", "")
     lines = (
-        ("input blocks", ", ".join(first.reads)),
+        ("input blocks", ", ".join(first.inputs)),
         ("nodes of a B layer count", {"direction": "one direction", "layer": "both directions"}.get(counts, counts)),
     )
     return tuple((name, text) for name, text in lines if text)

@@ -10,23 +10,30 @@ from visualspeech.errors import DataError
 
 @dataclass(frozen=True)
 class Layout:
-    """The columns of a block's streams.
+    """The columns of a block's streams, and how a model reads them.
 
     Parameters
     ----------
     sizes : number of classes of each categorical column; a model sees them as one-hot vectors side by side
     dimension : number D of real-valued columns
     segmental : a row is a segment with a start time, not a frame
+    window : frames before and after each frame that a model reads beside it; zero outside the utterance
     """
 
     sizes: tuple[int, ...] = ()
     dimension: int = 0
     segmental: bool = False
+    window: int = 0
 
     @property
     def width(self) -> int:
         """Number of inputs of a model that sees classes as one-hot vectors."""
-        return sum(self.sizes) + self.dimension
+        return self.frames * (sum(self.sizes) + self.dimension)
+
+    @property
+    def frames(self) -> int:
+        """Number of frames that a model reads at once."""
+        return 2 * self.window + 1
 
 
 @dataclass(frozen=True)

@@ -10,6 +10,7 @@ import torch
 from visualspeech.features.blocks.base import Block
 from visualspeech.features.examples import Example
 from visualspeech.features.streams import joined
+from visualspeech.models.frames import Frames, of_utterances
 from visualspeech.models.task import check_examples
 from visualspeech.models.training_settings import TrainingSettings
 
@@ -86,8 +87,8 @@ def batches(lengths: np.ndarray, settings: TrainingSettings, order: np.ndarray, 
     Parameters
     ----------
     lengths : (M,) frames of each utterance
-    settings : its batcher: ``utterances`` (``batch_size`` of them) or ``frames`` (as many as, padded to the longest,
-        hold at most ``batch_frames`` frames; at least one)
+    settings : its batcher: ``utterances`` (``batch_size`` of them); with any other one, as many as, padded to the
+        longest, hold at most ``batch_frames`` frames; at least one
     order : (M,) in which they are taken
     least : smallest batch size of the batcher ``utterances``
     """
@@ -132,6 +133,21 @@ class Batch:
     values: torch.Tensor
     lengths: torch.Tensor
     targets: torch.Tensor
+
+    def frames(self) -> Frames:
+        """All frames of the utterances, without the padding."""
+        inside = self._inside()
+        return of_utterances(self.index[inside], self.values[inside], self.lengths)
+
+    def laid_out(self, outputs: torch.Tensor) -> torch.Tensor:
+        """Outputs (F, N) of all frames as those of utterances, (B, T, N), zero beyond an utterance's end."""
+        inside = self._inside()
+        result = outputs.new_zeros(*inside.shape, outputs.shape[1])
+        result[inside] = outputs
+        return result
+
+    def _inside(self) -> torch.Tensor:
+        return torch.arange(self.index.shape[1]) < self.lengths[:, None]
 
 
 def batch(examples: Sequence[Example], numbers: np.ndarray, scaling: Scaling) -> Batch:

@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 
 from visualspeech.errors import DamagedFile
-from visualspeech.features.blocks.base import Block, load_block, restore
+from visualspeech.features.blocks.base import Block, for_new_speech, load_block, phones_of, restore
 from visualspeech.storage.layouts import TEXT, Array
 from visualspeech.storage.models import part_of
 
@@ -17,11 +17,11 @@ def load_blocks(paths: Mapping[str, str]) -> dict[str, Block]:
 
 
 def pack(blocks: Mapping[str, Block]) -> tuple[dict[str, np.ndarray], list[dict]]:
-    """Arrays (named ``blocks.<number>.<name>``) and plain data of blocks, in their order."""
+    """Arrays (named ``blocks.<number>.<name>``) and plain data of blocks, in their order, as new speech needs them."""
     arrays: dict[str, np.ndarray] = {}
     plain = []
     for number, (name, block) in enumerate(blocks.items()):
-        own, state = block.state()
+        own, state = for_new_speech(block).state()
         arrays |= {f"blocks.{number}.{key}": values for key, values in own.items()}
         plain.append({"name": name, "kind": block.kind, "state": state})
     return arrays, plain
@@ -47,14 +47,17 @@ def unpack(arrays: Mapping[str, np.ndarray], plain: list[dict], path: str | Path
     Raises
     ------
     StorageError
-        A block is of an unknown kind or damaged.
+        A block is of an unknown kind or damaged, or two blocks have different phones.
     """
     own = part_of(arrays, "blocks")
     if len({entry["name"] for entry in plain}) < len(plain) or any(
         name.partition(".")[0] not in map(str, range(len(plain))) for name in own
     ):
         raise DamagedFile(path, "its input blocks and their arrays do not fit each other")
-    return {
+    found = {
         entry["name"]: restore(entry["kind"], part_of(own, str(number)), entry["state"], path)
         for number, entry in enumerate(plain)
     }
+    if len(set(map(phones_of, found.values())) - {()}) > 1:
+        raise DamagedFile(path, "its input blocks have different phones")
+    return found

@@ -7,6 +7,7 @@ from types import MappingProxyType
 from visualspeech.errors import SettingError
 from visualspeech.fields import MAX_SEED, FieldError, section_schema, with_defaults
 from visualspeech.models.families import FAMILIES, Family
+from visualspeech.models.reads import read_mistakes, read_names, read_windows
 from visualspeech.models.training_settings import TrainingSettings
 from visualspeech.schema import mistakes, settings_class, unknown
 from visualspeech.settings import merged as laid_over
@@ -21,7 +22,8 @@ ENTRY = {
                             "the predictions of others: the row or entry whose predictions are changed."},
     "reads": {"type": "array", "uniqueItems": True, "maxItems": 200,
               "items": {"description": "Input block of the system."},
-              "description": "Input blocks of the system that the model reads, in this order."},
+              "description": "Input blocks of the system that the model reads, in this order; `{block: seconds}` reads "
+                             "a window of that length before and after each frame too."},
     "title": {"type": "string", "minLength": 1, "maxLength": 200, "pattern": "^[^\\r\\n]*\\Z",
               "description": "Name in tables."},
     "suffix": {"type": "string", "pattern": "^[A-Za-z0-9_-]{1,32}\\Z",
@@ -186,6 +188,10 @@ def _key_mistakes(key: str, models: Mapping, blocks: Collection[str], where: str
         read = f"what the rows read that `{family.made_of}` names" if family.made_of else "no input block"
         found.append(f"`{where}.reads` must be left out: the family {entry['family']} reads {read}.")
         own = {name: value for name, value in own.items() if name != "reads"}
+    if isinstance(own.get("reads"), list):
+        of_form = read_mistakes(own["reads"], f"{where}.reads")
+        named = {} if of_form else {"reads": read_names(own["reads"])}
+        found, own = found + of_form, {name: value for name, value in own.items() if name != "reads"} | named
     found += mistakes(own, entry_schema(entry["family"], own, blocks), where)
     if family.reads[0] and "reads" not in entry:
         found.append(f"`{where}` lacks `reads`. {ENTRY['reads']['description']} Known: {', '.join(blocks)}.")
@@ -196,14 +202,18 @@ def _settings_mistakes(key: str, models: Mapping, where: str) -> list[str]:
     """What does not go together in an entry whose keys, one by one, are right."""
     entry, found = inherited(key, models), []
     family = FAMILIES[entry["family"]]
-    if not _own(models[key]) and "family" not in models[key]:
-        return []  # it has the settings of the entry above, where its mistakes are reported
+    # It may have the settings of the entry above, where their mistakes are reported, with other blocks.
+    own = bool(_own(models[key])) or "family" in models[key]
+    if not own and "reads" not in models[key]:
+        return []
     for settings in combinations(family, entry):
         try:
             built = family_settings(family, settings, where, entry)
         except SettingError as error:
-            found.append(str(error))
+            found += [str(error)] if own else []
             continue
+        if (reason := family.no_windows(built)) and read_windows(entry.get("reads", ())):
+            found.append(f"`{where}.reads` has a window; {reason}")
         if family.made_from(built) and not entry.get("from"):
             others = ", ".join(name for name in models if name != key)
             found.append(f"`{where}` lacks `from`: with these settings a model is made from another. Known: {others}.")

@@ -23,8 +23,11 @@ class Family:
     cell : name of such a row, from the settings
     title : of a row in tables, from its name and settings
     reads : least and largest number of input blocks; None: any number
+    segmental : whether it reads input blocks of segments, with start times; otherwise of frames
     made_of : key of an entry that names the finished rows that a row is made of, of any family: ``from`` for one, or
         ``members`` for several; the row reads what they read. Empty: none
+    no_windows : why a row of these settings cannot read windows of frames, as the rest of a sentence; empty: it can
+    by_frame : whether a model predicts each frame from its own inputs alone, so that it can be trained on single frames
     made_from : whether a row of these settings starts from the model of another row, which ``from`` names
     """
 
@@ -36,11 +39,18 @@ class Family:
     cell: Callable[[Mapping], str] = lambda settings: ""
     title: Callable[[str, Mapping], str] = lambda name, settings: name
     reads: tuple[int, int | None] = (0, None)
+    segmental: bool = False
     made_of: str = ""
     made_from: Callable[[Mapping], bool] = lambda settings: False
+    no_windows: Callable[[Mapping], str] = lambda settings: "this family reads none. Name the block alone."
+    by_frame: bool = False
 
 
-_HMM_TITLES = {"monophone": "monophone HMM", "tied": "tied-state triphone HMM", "mge": "MGE-trained HMM"}
+_OF_STACKS = "a stack reads windows by a feed-forward layer. Begin `letters` with F, or name the block alone."
+_HMM_TITLES = {
+    "geometric": {"monophone": "monophone HMM", "tied": "tied-state triphone HMM", "mge": "MGE-trained HMM"},
+    "gaussian": {"monophone": "monophone HSMM", "tied": "tied-state quinphone HSMM", "mge": "MGE-trained HSMM"},
+}
 
 FAMILIES = {
     "stack": Family(
@@ -50,12 +60,14 @@ FAMILIES = {
         grid=("letters", "nodes"),
         cell=lambda settings: f"{settings['letters']}-{settings['nodes']}",
         reads=(1, None),
+        no_windows=lambda settings: "" if settings["letters"].startswith("F") else _OF_STACKS,
     ),
     "hmm": Family(
         "visualspeech.models.hmm.family",
         "visualspeech.models.hmm.model:HmmSettings",
-        title=lambda name, settings: _HMM_TITLES[settings["variant"]],
+        title=lambda name, settings: _HMM_TITLES[settings["durations"]][settings["variant"]],
         reads=(1, 1),
+        segmental=True,
         made_from=lambda settings: settings["variant"] != "monophone",
     ),
     "ensemble": Family(
@@ -70,6 +82,16 @@ FAMILIES = {
         reads=(0, 0),
         made_of="from",
         made_from=lambda settings: True,
+    ),
+    "dnn": Family(
+        "visualspeech.models.dnn",
+        "visualspeech.models.dnn_settings:DnnSettings",
+        trained=True,
+        grid=("layers", "nodes"),
+        cell=lambda settings: f"DNN-{settings['layers']}x{settings['nodes']}",
+        reads=(1, None),
+        no_windows=lambda settings: "",
+        by_frame=True,
     ),
     "lookup": Family(
         "visualspeech.models.lookup",

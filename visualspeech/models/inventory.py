@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from visualspeech.features.blocks.base import Source, needs_of
+from visualspeech.features.blocks.base import Source, encoding_needs
 from visualspeech.features.blocks.base import phones_of as inventory_of
 from visualspeech.models.task import Model
 from visualspeech.speech.alignment import Alignment
@@ -14,8 +14,8 @@ def phones_of(model: Model) -> tuple[str, ...]:
 
 
 def needs_of_model(model: Model) -> frozenset[str]:
-    """What the input blocks of a model are computed from: ``text``, ``audio``; empty for a model without blocks."""
-    return frozenset(need for block in model.blocks.values() for need in needs_of(block))
+    """What the input blocks of a model are computed from: ``text``, ``audio``, ``faces``; empty for one without."""
+    return frozenset(need for block in model.blocks.values() for need in encoding_needs(block))
 
 
 def predict_alignment(model: Model, alignment: Alignment, frames: int) -> np.ndarray:

@@ -1,7 +1,7 @@
 """A trained network of any family: what prediction needs and nothing else, in one safetensors file."""
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass, field, fields, replace
 from pathlib import Path
 
 import numpy as np
@@ -13,6 +13,7 @@ from visualspeech.features.streams import Layout, Stream, joined
 from visualspeech.fields import restored
 from visualspeech.models.batches import Batch, Scaling
 from visualspeech.models.block_states import BLOCK_ARRAYS, BLOCKS, pack, unpack
+from visualspeech.models.rows import MAX_WINDOW
 from visualspeech.models.task import check_streams
 from visualspeech.models.training import one_thread
 from visualspeech.models.trajectory.generation import check_generation, step_of
@@ -38,6 +39,7 @@ class Network:
     coding : digest of the visual coding whose parameters are predicted
     about : how it was trained (settings, epochs), for people
     mlpg : from static, delta and delta-delta parameters to the parameters; None where the outputs are the parameters
+    windows : seconds before and after a frame that it reads too, by input block
     """
 
     family: str
@@ -49,6 +51,7 @@ class Network:
     coding: str = ""
     about: Mapping = field(default_factory=dict)
     mlpg: Mlpg | None = None
+    windows: Mapping[str, float] = field(default_factory=dict)
 
     @property
     def outputs(self) -> int:
@@ -97,6 +100,7 @@ class Network:
             "coding": self.coding,
             "about": dict(self.about),
         }
+        settings |= {"windows": dict(self.windows)} if self.windows else {}
         write_model(path, arrays, settings)
 
 
@@ -122,13 +126,15 @@ def restore_network(
     StorageError
         As :func:`visualspeech.storage.models.check_model`, or the weights do not fit the settings.
     """
-    check_model(arrays, settings, path, f"model of the family {family}", ["model"], LAYOUT, family)
+    layout = WINDOWED if "windows" in settings else LAYOUT
+    check_model(arrays, settings, path, f"model of the family {family}", ["model"], layout, family)
+    windows = settings.get("windows", {})
     blocks = unpack(arrays, settings["blocks"], path)
     weights = {name: torch.tensor(values) for name, values in part_of(arrays, "weights").items()}
-    made = settings["settings"], [block.layout for block in blocks.values()], len(arrays["mean"])
     try:
-        if not blocks:
-            raise ValueError("there is no input block")
+        if not blocks or not set(windows) <= set(blocks):
+            raise ValueError(f"there is no input block{' of a window' * bool(blocks)}")
+        made = settings["settings"], layouts_of(blocks, windows, settings["rate"]), len(arrays["mean"])
         wanted, found = shapes(*made), {name: tuple(values.shape) for name, values in weights.items()}
         # Before the module is made: settings could ask for one that no memory holds.
         if wanted != found or any(values.dtype != torch.float32 for values in weights.values()):
@@ -151,8 +157,31 @@ def restore_network(
         rate=settings["rate"],
         coding=settings["coding"],
         about=settings["about"],
+        windows=windows,
         mlpg=_mlpg(path, arrays, settings),
     )
+
+
+def layouts_of(blocks: Mapping[str, Block], windows: Mapping[str, float], rate: float) -> list[Layout]:
+    """Columns of input streams with their windows in frames, at least one where there is a window.
+
+    Parameters
+    ----------
+    windows : seconds before and after a frame by block; none for a block that it lacks
+    rate : frame rate in Hz
+
+    Raises
+    ------
+    SettingError
+        A block has rows of segments, which a network cannot read.
+    """
+    for name, block in blocks.items():
+        if block.layout.segmental:
+            raise SettingError(f"`reads` names {name}, which has a row per segment; a network reads rows of frames.")
+    return [
+        replace(block.layout, window=max(round(windows[name] * rate), 1)) if name in windows else block.layout
+        for name, block in blocks.items()
+    ]
 
 
 def _mlpg(path: str | Path, arrays: Mapping[str, np.ndarray], settings: Mapping) -> Mlpg | None:
@@ -184,5 +213,18 @@ LAYOUT = FileLayout(
         "rate": RATE,
         "coding": TEXT,
         "about": {"type": "object"},
+    },
+)
+#: Of a network that reads windows.
+WINDOWED = FileLayout(
+    LAYOUT.arrays,
+    {
+        **LAYOUT.plain,
+        "windows": {
+            "type": "object",
+            "minProperties": 1,
+            "maxProperties": 100,
+            "additionalProperties": {"type": "number", "exclusiveMinimum": 0, "maximum": MAX_WINDOW},
+        },
     },
 )

@@ -11,9 +11,10 @@ import numpy as np
 from visualspeech.errors import DamagedFile, SettingError
 from visualspeech.models.combined_rows import members_of, named_rows, reads_of, ready
 from visualspeech.models.entries import combinations, family_settings, grid_of, inherited, model_mistakes
-from visualspeech.models.families import FAMILIES
+from visualspeech.models.families import FAMILIES, Family
+from visualspeech.models.reads import read_names, read_windows
 from visualspeech.models.rows import ModelRow
-from visualspeech.models.training_settings import training_settings
+from visualspeech.models.training_settings import BATCHERS, FRAME_BATCHERS, training_settings
 from visualspeech.storage.models import read_model
 
 MOST_ROWS = 1000  # of a system; planning takes some seconds for so many
@@ -104,7 +105,7 @@ def _rows_of(
 def _row(key: str, entry: Mapping, own: Mapping, training: Mapping, seed: int, where: str, repeated: bool) -> ModelRow:
     """A row with its own settings; ``repeated`` says that a row of an earlier seed has the name without the seed."""
     family = FAMILIES[entry["family"]]
-    settings = family_settings(family, own, where, entry)
+    settings, reads = family_settings(family, own, where, entry), entry.get("reads", ())
     cell = family.cell(settings) if grid_of(family, entry) else key
     cell += f"-{entry['suffix']}" if entry.get("suffix") else ""
     return ModelRow(
@@ -112,17 +113,23 @@ def _row(key: str, entry: Mapping, own: Mapping, training: Mapping, seed: int, w
         title=entry.get("title") or family.title(cell, settings),
         family=entry["family"],
         settings=settings,
-        reads=tuple(entry.get("reads", ())),
-        training=_training({**training, **entry.get("training", {})}) if family.trained else {},
+        reads=tuple(read_names(reads)),
+        training=_training(family, {**training, **entry.get("training", {})}, where) if family.trained else {},
         seed=seed,
         group=key,
         cell=cell,
         role=family.role,
+        windows=read_windows(reads),
     )
 
 
-def _training(given: Mapping) -> dict:
+def _training(family: Family, given: Mapping, where: str) -> dict:
     settings = asdict(training_settings(given))
+    if settings["batcher"] in FRAME_BATCHERS and not family.by_frame:
+        raise SettingError(
+            f"`{where}.training.batcher: {settings['batcher']}` is for models that predict each frame by itself, such "
+            f"as the family dnn; give this entry `training: {{batcher: {BATCHERS[0]}}}`."
+        )
     return {name: value for name, value in settings.items() if name != "seed"}
 
 

@@ -3,8 +3,13 @@
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field
 
-#: What a row is in a table: a model that learns, a trivial baseline, or the error that the visual coding alone makes.
-ROLES = ("model", "baseline", "floor")
+#: Role of a model whose input is read off the recorded face of the utterance that it predicts.
+ORACLE = "oracle"
+#: What a row is in a table: a model that learns, one that is told part of the answer, a trivial baseline, or the error
+#: that the visual coding alone makes.
+ROLES = ("model", ORACLE, "baseline", "floor")
+#: Longest window before and after a frame in seconds.
+MAX_WINDOW = 1.0
 
 
 @dataclass(frozen=True)
@@ -24,6 +29,8 @@ class ModelRow:
     cell : name without the seed; rows of one cell are repetitions of each other
     parents : names of the rows that it is made from
     role : of :data:`ROLES`
+    windows : seconds before and after each frame that the model reads beside it, by input block; of the others it reads
+        single frames
     """
 
     name: str
@@ -37,10 +44,19 @@ class ModelRow:
     cell: str = ""
     parents: tuple[str, ...] = ()
     role: str = "model"
+    windows: Mapping[str, float] = field(default_factory=dict)
+
+    @property
+    def inputs(self) -> tuple[str, ...]:
+        """What it reads, for people: names of blocks, with their windows."""
+        return tuple(
+            f"{name} ({self.windows[name]:g} s either side)" if name in self.windows else name for name in self.reads
+        )
 
     def plain(self) -> dict:
-        """The row as JSON can hold it."""
-        return {**asdict(self), "reads": list(self.reads), "parents": list(self.parents)}
+        """The row as JSON can hold it; ``windows`` is left out where there is none."""
+        plain = {**asdict(self), "reads": list(self.reads), "parents": list(self.parents)}
+        return {name: value for name, value in plain.items() if name != "windows" or value}
 
     @classmethod
     def of(cls, plain: Mapping) -> "ModelRow":

@@ -1,6 +1,7 @@
 """Stacks of feed-forward (F), bidirectional LSTM (B) and gated convolutional (C) layers, named by their letters.
 
-FBB, BFF, ... are those of Fan 2015, section 4; C is a layer of WaveNet (van den Oord et al. 2016).
+FBB, BFF, ... are those of Fan 2015, section 4; C is a layer of WaveNet (van den Oord et al. 2016). Windows of inputs
+are read by the first layer, which must be F.
 """
 
 from collections.abc import Mapping, Sequence
@@ -13,8 +14,10 @@ from torch import nn
 from torch.nn.utils.rnn import PackedSequence, pack_padded_sequence, pad_packed_sequence
 
 from visualspeech.features.streams import Layout
+from visualspeech.fields import setting_error
 from visualspeech.models.batches import Batch
 from visualspeech.models.fitting import fit_network
+from visualspeech.models.gathered import GatheredLinear
 from visualspeech.models.layers import GatedConvolution, dilations, dropped
 from visualspeech.models.network import Network, restore_network
 from visualspeech.models.stack_settings import StackSettings
@@ -35,13 +38,14 @@ class Stack(nn.Module):
     Parameters
     ----------
     settings : the hidden layers
-    layouts : columns of the input streams; the classes of all of them come first, then their values
+    layouts : columns and windows of the input streams; the classes of all of them come first, then their values
     outputs : dimension N of the targets
     dropout : share of hidden values set to zero in training
     """
 
     def __init__(self, settings: StackSettings, layouts: Sequence[Layout], outputs: int, dropout: float = 0.0) -> None:
         super().__init__()
+        self.gathers = reads_windows(settings, layouts)
         sizes = [size for layout in layouts for size in layout.sizes]
         self.offsets = torch.tensor([0, *accumulate(sizes[:-1])][: len(sizes)], dtype=torch.int64)
         self.classes = sum(sizes)
@@ -51,7 +55,9 @@ class Stack(nn.Module):
         width = sum(layout.width for layout in layouts)
         for letter, dilation in zip(settings.letters, dilations(settings.letters), strict=True):
             if letter == "F":
-                self.layers.append(nn.Linear(width, settings.nodes))
+                gathered = self.gathers and not self.layers
+                layer = GatheredLinear(layouts, settings.nodes) if gathered else nn.Linear(width, settings.nodes)
+                self.layers.append(layer)
                 width = settings.nodes
             elif letter == "C":
                 self.layers.append(GatedConvolution(width, settings.nodes, dilation, dropout))
@@ -63,7 +69,31 @@ class Stack(nn.Module):
 
     def forward(self, batch: Batch) -> torch.Tensor:
         """Outputs (B, T, N) of a batch."""
+        packed, layers = self._inputs(batch), list(zip(self.letters, self.layers, strict=True))
         # From here on only real frames exist: (frames of the batch, features), in the packed order.
+        frames = packed.data
+        if self.gathers:
+            frames, layers = self._activated(frames), layers[1:]
+        for letter, layer in layers:
+            if letter == "C":
+                frames = layer(frames, packed.batch_sizes)
+            elif letter == "F":
+                frames = self._activated(layer(frames))
+            else:
+                frames = layer(PackedSequence(frames, packed.batch_sizes))[0].data
+                frames = dropped(frames, self.dropout) if self.training else frames
+        values = PackedSequence(self.output(frames), packed.batch_sizes)
+        return pad_packed_sequence(values, batch_first=True, total_length=batch.index.shape[1])[0]
+
+    def _activated(self, frames: torch.Tensor) -> torch.Tensor:
+        frames = torch.tanh(frames)
+        return dropped(frames, self.dropout) if self.training else frames
+
+    def _inputs(self, batch: Batch) -> PackedSequence:
+        """What the first layer reads, or if it gathers windows, what it makes of them before its non-linearity."""
+        if self.gathers:
+            first = batch.laid_out(self.layers[0](batch.frames()))
+            return pack_padded_sequence(first, batch.lengths, batch_first=True)
         inputs = []
         if self.classes:
             packed = pack_padded_sequence(batch.index, batch.lengths, batch_first=True)
@@ -72,18 +102,7 @@ class Stack(nn.Module):
             packed = pack_padded_sequence(batch.values, batch.lengths, batch_first=True)
             inputs.append(packed.data)
         frames = torch.cat(inputs, dim=1) if len(inputs) > 1 else inputs[0]
-        for letter, layer in zip(self.letters, self.layers, strict=True):
-            if letter == "C":
-                frames = layer(frames, packed.batch_sizes)
-                continue
-            if letter == "F":
-                frames = torch.tanh(layer(frames))
-            else:
-                frames = layer(PackedSequence(frames, packed.batch_sizes))[0].data
-            if self.training:
-                frames = dropped(frames, self.dropout)
-        values = PackedSequence(self.output(frames), packed.batch_sizes)
-        return pad_packed_sequence(values, batch_first=True, total_length=batch.index.shape[1])[0]
+        return PackedSequence(frames, packed.batch_sizes)
 
     def encode(self, index: torch.Tensor) -> torch.Tensor:
         """One-hot vectors of class indices side by side: (frames, C) to (frames, classes); 3K + 3 in Fan 2015, 3.1."""
@@ -101,9 +120,8 @@ def fit(task: Task) -> Fitted:
     """
     settings = StackSettings(**task.row.settings)
     training = training_settings(task.row.training, seed=task.row.seed)
-    layouts = [block.layout for block in task.blocks.values()]
 
-    def build(outputs: int) -> Stack:
+    def build(layouts: Sequence[Layout], outputs: int) -> Stack:
         return Stack(settings, layouts, outputs, training.dropout)
 
     return fit_network(task, FAMILY, settings, training, build, [code_digest(__file__)])
@@ -123,6 +141,22 @@ def restore(arrays: Mapping[str, np.ndarray], settings: Mapping, path: str | Pat
     return restore_network(arrays, settings, path, FAMILY, build, weight_shapes)
 
 
+def reads_windows(settings: StackSettings, layouts: Sequence[Layout]) -> bool:
+    """Whether an input has a window.
+
+    Raises
+    ------
+    SettingError
+        It has, and the first layer is not a feed-forward one.
+    """
+    if not any(layout.window for layout in layouts):
+        return False
+    if not settings.letters.startswith("F"):
+        rule = "letters of which the first is F, which reads windows of inputs"
+        raise setting_error(StackSettings, "letters", settings.letters, rule)
+    return True
+
+
 def weight_shapes(settings: Mapping, layouts: Sequence[Layout], outputs: int) -> dict[str, tuple[int, ...]]:
     """Shape of each weight of a :class:`Stack` by name, without making one.
 
@@ -132,7 +166,13 @@ def weight_shapes(settings: Mapping, layouts: Sequence[Layout], outputs: int) ->
         The settings are none of a stack.
     """
     made, width, shapes = StackSettings(**settings), sum(layout.width for layout in layouts), {}
+    gathers = reads_windows(made, layouts)
     for number, letter in enumerate(made.letters):
+        if gathers and not number:
+            own = GatheredLinear.shapes(layouts, made.nodes)
+            shapes |= {f"layers.0.{name}": shape for name, shape in own.items()}
+            width = made.nodes
+            continue
         if letter == "F":
             shapes |= {f"layers.{number}.weight": (made.nodes, width), f"layers.{number}.bias": (made.nodes,)}
             width = made.nodes

@@ -3,7 +3,7 @@
 import copy
 import math
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
@@ -16,10 +16,11 @@ from visualspeech.features.examples import Example
 from visualspeech.jobs import log
 from visualspeech.models.batches import Batch, Content, Scaling, batch, batches, content
 from visualspeech.models.checkpoints import read_checkpoint, write_checkpoint
+from visualspeech.models.frames import FrameBatch, FrameStore
 from visualspeech.models.lip_loss import LipLoss
 from visualspeech.models.objectives import Objective, objective_of
 from visualspeech.models.task import Task
-from visualspeech.models.training_settings import TrainingSettings
+from visualspeech.models.training_settings import FRAME_BATCHERS, TrainingSettings
 from visualspeech.provenance import code_digest, digest
 
 PROGRESS_SECONDS = 3.0
@@ -89,6 +90,17 @@ class _Run:
     known: tuple[Content, Content]
     scaling: Scaling
     lips: LipLoss | None
+    store: FrameStore | None
+
+    def batches(self) -> Iterator[tuple[Batch | FrameBatch, np.ndarray]]:
+        """The batches of an epoch in random order, each with the numbers of its utterances, none for single frames."""
+        if self.store is not None:
+            for given in self.store.batches(self.settings.batch_frames):
+                yield given, np.zeros(0, np.int64)
+            return
+        order = batches(self.known[0].lengths, self.settings, torch.randperm(len(self.training)).numpy())
+        for chosen in torch.randperm(len(order)).tolist():
+            yield batch(self.training, order[chosen], self.scaling), order[chosen]
 
     @property
     def objective(self) -> Objective:
@@ -109,7 +121,8 @@ def train(
     Parameters
     ----------
     build : number N of outputs -> module, whose ``forward`` takes a :class:`~visualspeech.models.batches.Batch` and
-        returns (B, T, N), zero in padded frames; called once, after the seed is set
+        returns (B, T, N), zero in padded frames, or with a batcher of single frames a
+        :class:`~visualspeech.models.frames.FrameBatch` too; called once, after the seed is set
     task : utterances, blocks, and the file that the state is kept in after an epoch, at most every
         ``checkpoint_seconds``. If it is there and was made by this code from these settings and data, training resumes
         from it. The caller removes it once the model is saved
@@ -127,14 +140,15 @@ def train(
         for examples, name in ((task.training, "training"), (task.validation, "validation"))
     )
     scaling = Scaling.of(known[0], settings.scaling)
-    lips = LipLoss.of(task.lips, scaling, settings)
-    run = _Run(task.row.name, settings, task.training, task.validation, known, scaling, lips)
-    layouts = [asdict(block.layout) for block in task.blocks.values()]
+    lips, layouts, store = LipLoss.of(task.lips, scaling, settings), [one.layout for one in task.blocks.values()], None
+    if settings.batcher in FRAME_BATCHERS:
+        store = FrameStore.of(task.training, known[0].lengths, layouts, scaling.mean, scaling.scale)
+    run = _Run(task.row.name, settings, task.training, task.validation, known, scaling, lips, store)
     whole = digest(
         [
             list(identity),
             asdict(settings),
-            layouts,
+            list(map(asdict, layouts)),
             [part.digest for part in known],
             task.lips.digest if lips else "",
             torch.__version__,
@@ -239,16 +253,13 @@ def _epoch(state: _State, run: _Run) -> None:
 
 def _updates(state: _State, run: _Run) -> np.ndarray:
     """One update a batch of the training utterances, in random order; the sums of the objective's statistics."""
-    settings, objective = run.settings, run.objective
-    order = batches(run.known[0].lengths, settings, torch.randperm(len(run.training)).numpy())
-    sums = 0.0
+    settings, objective, sums = run.settings, run.objective, 0.0
     state.module.train()
-    for chosen in torch.randperm(len(order)).tolist():
-        given = batch(run.training, order[chosen], run.scaling)
+    for given, numbers in run.batches():
         predicted = state.module(given)
         loss = objective.loss(predicted, given.targets, given.lengths)
         # The learning curve is that of the objective.
-        minimised = loss if run.lips is None else loss + run.lips(predicted, order[chosen])
+        minimised = loss if run.lips is None else loss + run.lips(predicted, numbers)
         # Adam does not see the loss's scale; the mean over frames makes `max_grad_norm` independent of the batch.
         per_frame = objective.additive and settings.optimiser == "adam"
         state.optimiser.zero_grad()

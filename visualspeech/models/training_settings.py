@@ -5,11 +5,14 @@ from dataclasses import dataclass, fields
 from typing import ClassVar
 
 from visualspeech.errors import SettingError
-from visualspeech.fields import MAX_SEED, Settings, setting
+from visualspeech.fields import MAX_SEED, Settings, setting, setting_error
 
 #: Objectives of :mod:`visualspeech.models.objectives`, and batchers of :mod:`visualspeech.models.batches`.
 OBJECTIVES = ("sse", "sse_centred", "mse", "ccc")
-BATCHERS = ("utterances", "frames")
+BATCHERS = ("utterances", "frames", "shuffled_frames")
+#: Batchers of single frames in random order, and objectives that are no sums over frames of whole utterances.
+FRAME_BATCHERS = ("shuffled_frames",)
+OF_FRAMES = ("sse", "mse", "ccc")
 
 #: What an optimiser's preset changes against the defaults of :class:`TrainingSettings`.
 PRESETS = {
@@ -66,7 +69,8 @@ class TrainingSettings(Settings):
     )
     batcher: str = setting(
         "utterances",
-        "How utterances are batched: utterances (batch_size of them), frames (as many as hold batch_frames).",
+        "How an update is batched: utterances (batch_size of them), frames (as many utterances as hold batch_frames), "
+        "shuffled_frames (batch_frames single frames of all utterances, for models that predict each frame by itself).",
         choices=BATCHERS,
     )
     learning_rate: float = setting(
@@ -80,7 +84,12 @@ class TrainingSettings(Settings):
         0.9, "Momentum m of Fan 2015, Eq. 11; with adam the decay of the mean gradient.", minimum=0, below=1
     )
     batch_size: int = setting(8, "Utterances per update, with `batcher: utterances`.", minimum=1, maximum=1024)
-    batch_frames: int = setting(4096, "Frames per update at most, with `batcher: frames`.", minimum=1, maximum=100_000)
+    batch_frames: int = setting(
+        4096,
+        "Frames per update with `batcher: shuffled_frames`; at most as many with `batcher: frames`.",
+        minimum=1,
+        maximum=100_000,
+    )
     max_epochs: int = setting(200, "Epochs at most.", minimum=1, maximum=100_000)
     patience: int = setting(
         8, "Epochs without a better validation error after which training ends.", minimum=1, maximum=100_000
@@ -130,6 +139,18 @@ class TrainingSettings(Settings):
         below=1,
     )
     seed: int = setting(1, "Seed of initial weights, order and dropout.", minimum=0, maximum=MAX_SEED)
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if self.batcher not in FRAME_BATCHERS:
+            return
+        if self.objective not in OF_FRAMES:
+            rule = f"{', '.join(OF_FRAMES)} with `batcher: {self.batcher}`, which knows no whole utterances"
+            raise setting_error(type(self), "objective", self.objective, f"one of {rule}")
+        for name in ("closure_weight", "open_weight"):
+            if getattr(self, name):
+                rule = f"0 with `batcher: {self.batcher}`, which knows no whole utterances"
+                raise setting_error(type(self), name, getattr(self, name), rule)
 
 
 def training_fields() -> list[str]:

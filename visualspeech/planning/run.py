@@ -13,6 +13,7 @@ from visualspeech.errors import SettingError
 from visualspeech.face.aam.model import AamSettings
 from visualspeech.face.point_sets import point_set_names, read_point_set
 from visualspeech.fields import FieldError
+from visualspeech.planning.blocks import speaking_mistakes
 from visualspeech.planning.corpora import CorpusPlan, plan_corpus
 from visualspeech.planning.paths import path_mistakes
 from visualspeech.planning.systems import (
@@ -178,7 +179,8 @@ def _speak_mistakes(speak: Mapping, systems: Mapping[str, Mapping]) -> list[str]
     models = [row["name"] for row in systems[system]["rows"] if row["role"] != "floor"]
     if speak["model"] and speak["model"] not in models:
         return [unknown("speak.model", speak["model"], models, f"model of {system}")]
-    return []
+    own = systems[system]
+    return speaking_mistakes(speak["model"], own["rows"], own["blocks"]) if speak["model"] else []
 
 
 @dataclass(frozen=True)

@@ -2,15 +2,18 @@
 
 import os
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 
 from visualspeech.errors import SettingError
 from visualspeech.evaluation.published_results import published_names
-from visualspeech.features.blocks.base import block_class, block_kinds, needs_of
+from visualspeech.features.blocks.base import block_class, block_kinds, is_segmental, needs_of
 from visualspeech.fields import section_schema, with_defaults
 from visualspeech.models.entries import model_mistakes
 from visualspeech.models.registry import expand
-from visualspeech.models.rows import ModelRow
+from visualspeech.models.rows import ORACLE, ModelRow
+from visualspeech.planning.blocks import part_mistakes, read_faces, segment_mistakes, viseme_number_mistakes
+from visualspeech.planning.tables import resolved_tables, rows_of_entries, table_mistakes
 from visualspeech.schema import check, mistakes, unknown
 from visualspeech.settings import merged, read_yaml
 
@@ -224,12 +227,18 @@ def complete_system(system: Mapping, seed: int) -> dict:
     blocks = {name: _block(block, f"{where}.blocks.{name}") for name, block in system["blocks"].items() if block}
     seeds = system["seeds"] or [seed]
     rows = expand(system["models"], blocks, system["training"], seeds, f"{where}.models")
-    found = _naming_mistakes(system, rows, where) + _sound_mistakes(system, blocks, rows, where)
+    found = part_mistakes(blocks, where)
+    found += viseme_number_mistakes(system["viseme_numbers"]["block"], blocks, where)
+    if found:
+        raise SettingError("\n".join(found))
+    rows = [replace(row, role=ORACLE) if row.role == "model" and read_faces(row.reads, blocks) else row for row in rows]
+    found = segment_mistakes(rows, blocks, where)
+    found += _naming_mistakes(system, rows, where) + _sound_mistakes(system, blocks, rows, where)
+    found += _window_mistakes(system, blocks, rows, where)
     if found:
         raise SettingError("\n".join(found))
     models = [row for row in rows if row.role == "model"]
     shown = system["videos"]["model"] or (models[0].name if models else "training_mean")
-    gains = system["tables"]["gains"]
     return {
         **{key: value for key, value in system.items() if key not in ("models", "training", "seeds")},
         "seeds": seeds,
@@ -240,13 +249,8 @@ def complete_system(system: Mapping, seed: int) -> dict:
         "blocks": blocks,
         "rows": [row.plain() for row in rows],
         "videos": {**system["videos"], "model": shown},
-        "sound_model": next(iter(_of_groups(filter(None, [system["sound_model"]]), rows)), ""),
-        "tables": {
-            **system["tables"],
-            "topologies": _of_groups(system["tables"]["topologies"], rows),
-            "gains": {key: _of_groups(names, rows) for key, names in gains.items()},
-            "ablation": {**system["tables"]["ablation"], "rows": _ablation(system["tables"]["ablation"], rows)},
-        },
+        "sound_model": next(iter(rows_of_entries(filter(None, [system["sound_model"]]), rows)), ""),
+        "tables": resolved_tables(system["tables"], rows),
         "preference": {**system["preference"], "models": _pair(system, shown, rows)},
     }
 
@@ -269,6 +273,19 @@ def _sound_mistakes(system: Mapping, blocks: Mapping, rows: Sequence[ModelRow], 
     ]
 
 
+def _window_mistakes(system: Mapping, blocks: Mapping, rows: Sequence[ModelRow], where: str) -> list[str]:
+    """Windows that are no frames: shorter than a frame, or of a block of segments; a sentence for each entry's."""
+    found = {}
+    for group, name, seconds in ((row.group, name, each) for row in rows for name, each in row.windows.items()):
+        key = f"`{where}.models.{group}.reads`: the window of {name}"
+        if is_segmental(block_class(blocks[name]["kind"])):
+            found[key] = f"{key} must be left out: the block has a row per segment, not per frame."
+        elif round(seconds * system["rate"]) < 1:
+            least = 1 / system["rate"]
+            found[key] = f"{key}, {seconds:g} s, is less than a frame of {least:g} s; lengthen it or leave it out."
+    return list(found.values())
+
+
 def _needs_of_row(row: ModelRow, blocks: Mapping) -> set[str]:
     """What the input blocks of a row are computed from."""
     return {need for name in row.reads for need in needs_of(block_class(blocks[name]["kind"]))}
@@ -278,20 +295,11 @@ def _naming_mistakes(system: Mapping, rows: Sequence[ModelRow], where: str) -> l
     """What is wrong with the names of models in videos, preference and tables."""
     trained = [row.name for row in rows if row.role != "floor"]
     known = list(dict.fromkeys([*system["models"], *(row.name for row in rows)]))
-    pair, tables = system["preference"]["models"], system["tables"]
+    pair = system["preference"]["models"]
     found = []
     if system["published"] and system["published"] not in published_names():
         found.append(unknown(f"{where}.published", system["published"], published_names()))
-    for key, names in {
-        "tables.topologies": tables["topologies"],
-        **{f"tables.gains.{name}": names for name, names in tables["gains"].items()},
-        **{f"tables.ablation.rows.{name}": names or () for name, names in tables["ablation"]["rows"].items()},
-    }.items():
-        found += [
-            unknown(f"{where}.{key}.{number}", name, known, "entry of `models` and no row")
-            for number, name in enumerate(names)
-            if name not in known
-        ]
+    found += table_mistakes(system["tables"], known, f"{where}.tables")
     if system["sound_model"] and system["sound_model"] not in known:
         found.append(unknown(f"{where}.sound_model", system["sound_model"], known, "entry of `models` and no row"))
     shown = system["videos"]["model"]
@@ -302,40 +310,14 @@ def _naming_mistakes(system: Mapping, rows: Sequence[ModelRow], where: str) -> l
         for number, name in enumerate(pair)
         if name not in trained
     ]
-    columns = len(tables["ablation"]["columns"])
     found += [
-        f"`{where}.tables.ablation.rows.{name}` names {len(names)} models; it must name one for each of the {columns} "
-        "`columns`, of which there must be two at least."
-        for name, names in tables["ablation"]["rows"].items()
-        if names is not None and (len(names) != columns or columns < 2)
+        unknown(f"{where}.trajectories.models.{number}", name, trained, "model of the system")
+        for number, name in enumerate(system["trajectories"]["models"])
+        if name not in trained
     ]
     if len(pair) == 1:
         found.append(f"`{where}.preference.models: [{pair[0]}]` must name two models, or none to have them chosen.")
     return found
-
-
-def _of_groups(names: Sequence[str], rows: Sequence[ModelRow]) -> list[str]:
-    """Names of the rows that entries of ``models`` ask for; an entry that the system leaves out asks for none."""
-    return [row.name for name in names for row in rows if name in (row.group, row.name)]
-
-
-def _ablation(ablation: Mapping, rows: Sequence[ModelRow]) -> dict[str, list[str]]:
-    """Heading -> cell of the model in each column, of the rows of the ablation table whose models the system has.
-
-    Of entries with several models, those with equal settings are compared; each such row is named after its models.
-    """
-    result = {}
-    for heading, names in ablation["rows"].items():
-        found = [
-            list({row.cell: row for row in rows if name in (row.group, row.name)}.values()) for name in names or ()
-        ]
-        alone = all(len(models) == 1 for models in found)
-        for first in found[0] if found else ():
-            equal = [[row.cell for row in models if alone or row.settings == first.settings] for models in found]
-            if all(len(cells) == 1 for cells in equal):
-                cells = [cell for (cell,) in equal]
-                result[heading if len(found[0]) == 1 else f"{heading}: {' / '.join(cells)}"] = cells
-    return result
 
 
 def _pair(system: Mapping, shown: str, rows: Sequence[ModelRow]) -> list[str]:
@@ -345,7 +327,7 @@ def _pair(system: Mapping, shown: str, rows: Sequence[ModelRow]) -> list[str]:
         return list(names)
     family = next(row.family for row in rows if row.name == shown)
     others = [row.name for row in rows if row.role == "model" and row.family != family]
-    references = _of_groups(system["tables"]["gains"]["references"], rows)
+    references = rows_of_entries(system["tables"]["gains"]["references"], rows)
     others = [name for name in references if name in others] or others
     others = others or [row.name for row in rows if row.role == "baseline"]
     return [shown, next((name for name in reversed(others) if name != shown), "training_mean")]

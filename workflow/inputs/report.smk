@@ -27,6 +27,21 @@ def of_preference(system):
     return system["preference"]["models"]
 
 
+def compared_models(wildcards):
+    """Names of the models in a system's figure of trajectories."""
+    return system_of(wildcards)["trajectories"]["models"]
+
+
+def figures_of(wildcards):
+    """The figures of a system: each the path of a picture and its caption."""
+    titles = {row.name: row.title for row in rows_of(wildcards.system)}
+    wanted = system_of(wildcards)["trajectories"]
+    shown = ", ".join(titles[name] for name in wanted["models"])
+    caption = f"Parameter {wanted['parameter']} of a test utterance, recorded and predicted ({shown})"
+    paths = filled("<system>/figures/trajectories.png", wildcards) if wanted["models"] else []
+    return [[path, caption] for path in paths]
+
+
 def answers_of(wildcards):
     """The completed answer sheets of a preference test, or the blank one."""
     return system_of(wildcards)["preference"]["answers"] or filled("<system>/preference/answers.tsv", wildcards)[0]
@@ -47,7 +62,7 @@ def benchmarks_of(wildcards):
             "<coding>/benchmarks/{stage}/{shard}.tsv", wildcards, coding=coding, stage=sharded, shard=corpus.shards
         )
     for one in systems_of(wildcards):
-        trained = [row.name for row in rows_of(one.system, ("model", "baseline"))]
+        trained = [row.name for row in rows_of(one.system, PREDICTING)]
         paths += filled(
             "<system>/benchmarks/{stage}/{model}.tsv", one, stage=["train_model", "predict_model"], model=trained
         )
@@ -70,9 +85,12 @@ def reported(wildcards):
             "findings": of_coding("findings.tsv")(one),
             "coding": of_coding("model.safetensors")(one),
             "reference": of_coding("reference.safetensors")(one),
+            "visemes": drawn_visemes(one),
             "model": system_of(one)["videos"]["model"],
             "predictions": shown_model("predictions.h5")(one),
             "videos": filled("<system>/videos", one)[0],
+            "figures": [path for path, _ in figures_of(one)],
+            "captions": [caption for _, caption in figures_of(one)],
         }
         for one in systems_of(wildcards)
     ]

@@ -1,4 +1,5 @@
 # Who speaks, and what.
+from visualspeech.planning.blocks import speaking_row
 from visualspeech.speech.sentences import listed_sentences
 from visualspeech.speech.tts import letter_to_sound
 
@@ -6,9 +7,11 @@ SPEAK = SETTINGS["speak"]
 
 
 def speaking():
-    """(corpus, system, model) of every speaker: one for each corpus on which the system that speaks runs."""
+    """(corpus, system, model) of every speaker: one for each corpus on which the system that speaks runs. The model is
+    empty where none of the system can read new speech."""
     system = SPEAK["system"] or next(name for _, name in PLAN.pairs)
-    model = SPEAK["model"] or SETTINGS["systems"][system]["videos"]["model"]
+    own = SETTINGS["systems"][system]
+    model = SPEAK["model"] or speaking_row(rows_of(system), own["blocks"], own["videos"]["model"])
     return [(corpus, system, model) for corpus, name in PLAN.pairs if name == system]
 
 
@@ -59,14 +62,26 @@ SPEAKERS = speaking()
 SENTENCES = sentences()
 
 
-def speaker_folders():
-    """Folders of all speakers."""
+def check_speakers():
+    """Refuse to make a speaker of a system whose models all read the recorded face."""
+    for _, system, model in SPEAKERS:
+        if not model:
+            raise WorkflowError(
+                f"every model of {system} reads dynamic visemes of the recording (`source: oracle`), and new text has "
+                "none; add a model with predicted ones, or name another system in `speak.system`."
+            )
+
+
+def speaker_folders(wildcards):
+    """Input function: folders of all speakers."""
+    check_speakers()
     pattern = plain("<system>/speakers/{model}")
     return [pattern.format(corpus=corpus, system=system, model=model) for corpus, system, model in SPEAKERS]
 
 
-def spoken_videos():
-    """Videos of all speakers and texts."""
+def spoken_videos(wildcards):
+    """Input function: videos of all speakers and texts."""
+    check_speakers()
     pattern = plain("<system>/spoken/{number}.mp4")
     return [
         pattern.format(corpus=corpus, system=system, number=number)

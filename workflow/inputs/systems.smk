@@ -1,10 +1,13 @@
 # The system, visual coding and row that a job belongs to.
 from visualspeech.face.point_sets import point_set_path
-from visualspeech.features.blocks.base import block_class, block_module, needs_of
+from visualspeech.features.blocks.base import block_class, block_module, needs_of, parts_of
 from visualspeech.models.families import FAMILIES
 from visualspeech.models.lips import WEIGHTS
 from visualspeech.models.registry import code_modules
-from visualspeech.models.rows import ModelRow
+from visualspeech.models.rows import ROLES, ModelRow
+from visualspeech.models.training_settings import FRAME_BATCHERS
+
+PREDICTING = tuple(role for role in ROLES if role != "floor")
 
 
 def system_of(wildcards):
@@ -23,7 +26,17 @@ def of_coding(file):
     return lambda wildcards: filled(f"<coding>/{file}", wildcards, coding=system_of(wildcards)["coding"])[0]
 
 
-def rows_of(system, roles=("model", "baseline", "floor")):
+def of_coding_shards(file):
+    """Input function: a file of every shard of the visual coding of the job's system."""
+    return lambda wildcards: filled(
+        f"<coding>/{file}",
+        wildcards,
+        coding=system_of(wildcards)["coding"],
+        shard=PLAN.corpora[wildcards.corpus].shards,
+    )
+
+
+def rows_of(system, roles=ROLES):
     """The rows of a system's tables, in their order."""
     rows = [ModelRow.of(row) for row in SETTINGS["systems"][system]["rows"]]
     return [row for row in rows if row.role in roles]
@@ -65,12 +78,28 @@ def alignment_of_lips(wildcards):
     return shards("<corpus>/alignment/{shard}.tsv")(wildcards) if asked else []
 
 
+def block_of(wildcards):
+    """Kind and settings of the input block that a job fits or encodes."""
+    return system_of(wildcards)["blocks"][wildcards.block]
+
+
+def parts_of_block(wildcards):
+    """Names of the other input blocks that a job's block is computed from."""
+    own = block_of(wildcards)
+    return [own["settings"][key] for key in parts_of(block_class(own["kind"]))]
+
+
+def memory_of_training(wildcards, input):
+    """MB that a training job needs: with mini-batches of single frames, features and targets are in memory."""
+    whole = row_of(wildcards).training.get("batcher") in FRAME_BATCHERS
+    return 2000 + (2 * round(input.size_mb) if whole else 0)
+
+
 def where_needed(need, pattern):
     """Input function: files of the job's shard, or of all shards, if its input block is computed from ``need``."""
 
     def paths(wildcards):
-        kind = system_of(wildcards)["blocks"][wildcards.block]["kind"]
-        if need not in needs_of(block_class(kind)):
+        if need not in needs_of(block_class(block_of(wildcards)["kind"])):
             return []
         own = {} if hasattr(wildcards, "shard") else {"shard": PLAN.corpora[wildcards.corpus].shards}
         return filled(pattern, wildcards, **own)
@@ -124,5 +153,5 @@ def faces(wildcards):
     return expand(pattern, corpus=wildcards.corpus, coding=name, shard=PLAN.corpora[wildcards.corpus].shards)
 
 
-TRAINED = one_of(row.name for name in SETTINGS["systems"] for row in rows_of(name, ("model", "baseline")))
+TRAINED = one_of(row.name for name in SETTINGS["systems"] for row in rows_of(name, PREDICTING))
 FLOORS = one_of(row.name for name in SETTINGS["systems"] for row in rows_of(name, ("floor",)))

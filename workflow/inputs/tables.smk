@@ -19,7 +19,7 @@ def table_settings(wildcards):
     return {key: tables[key] for key in ("metrics", "digits", "ratio_digits")}
 
 
-def plain_rows(roles=("model", "baseline", "floor"), names=None):
+def plain_rows(roles=ROLES, names=None):
     """Params function: rows of a system as plain data, of the given roles or names."""
 
     def rows(wildcards):
@@ -30,11 +30,11 @@ def plain_rows(roles=("model", "baseline", "floor"), names=None):
     return rows
 
 
-def statistics_of(roles=("model", "baseline", "floor"), names=None):
+def statistics_of(roles=ROLES, names=None, file="statistics.tsv"):
     """Input function: the measured test utterances of these rows, in the order of :func:`plain_rows`."""
     rows = plain_rows(roles, names)
     return lambda wildcards: [
-        path for row in rows(wildcards) for path in filled("<model>/statistics.tsv", wildcards, model=row["name"])
+        path for row in rows(wildcards) for path in filled(f"<model>/{file}", wildcards, model=row["name"])
     ]
 
 
@@ -63,6 +63,23 @@ def of_ablation(system):
     return [row["name"] for row in system["rows"] if row["cell"] in cells]
 
 
+def of_selection(wildcards):
+    """Names of the rows of a table of chosen rows, with their repetitions."""
+    return system_of(wildcards)["tables"]["selections"][wildcards.selection]["rows"]
+
+
+def selected_rows(wildcards):
+    """Rows of a table of chosen rows as plain data, in the order of the table."""
+    rows = {row.name: row.plain() for row in rows_of(wildcards.system)}
+    return [rows[name] for name in of_selection(wildcards)]
+
+
+def statistics_of_selection(wildcards):
+    """The measured test utterances of these rows, in the same order."""
+    names = of_selection(wildcards)
+    return filled("<model>/statistics.tsv", wildcards, model=names)
+
+
 def tables_of(system):
     """Names of a system's tables."""
     wanted = SETTINGS["systems"][system]["tables"]
@@ -75,12 +92,16 @@ def tables_of(system):
         "resting",
         *(["gains"] if gains["candidates"] and gains["references"] else []),
         *(["ablation"] if wanted["ablation"]["rows"] else []),
+        *(name for name, one in wanted["selections"].items() if one["rows"]),
     ]
 
 
 def tables_of_all():
     """All tables of a run."""
     return for_systems("<system>/tables/{table}.tsv", table=tables_of) + for_corpora("<corpus>/tables/systems.tsv")
+
+
+SELECTIONS = one_of(name for system in SETTINGS["systems"].values() for name in system["tables"]["selections"])
 
 
 class OfSystem:
@@ -109,7 +130,8 @@ def tabulated(wildcards):
         {
             "title": system_of(one)["title"] or one.system,
             "rows": plain_rows()(one),
-            "statistics": statistics_of()(one),
+            "statistics": statistics_of(file="camera.tsv")(one),
+            "rate": system_of(one)["rate"],
             "utterances": of_coding("utterances.tsv")(one),
             "coding": of_coding("model.safetensors")(one),
             "facts": facts_of(one),

@@ -28,6 +28,9 @@ rule fit_block:
         alignment=where_needed("text", "<corpus>/alignment/{shard}.tsv"),
         audio=where_needed("audio", "<corpus>/audio/{shard}.h5"),
         targets=shards("<system>/targets/{shard}.h5"),
+        blocks=lambda wildcards: filled(
+            "<system>/features/{part}/block.safetensors", wildcards, part=parts_of_block(wildcards)
+        ),
     output:
         "<system>/features/{block}/block.safetensors",
     log:
@@ -36,14 +39,14 @@ rule fit_block:
         "<system>/benchmarks/fit_block/{block}.tsv"
     threads: 1
     resources:
-        mem_mb=500,
+        mem_mb=1000,
         disk_mb=100,
     params:
-        kind=lambda wildcards: system_of(wildcards)["blocks"][wildcards.block]["kind"],
-        settings=lambda wildcards: system_of(wildcards)["blocks"][wildcards.block]["settings"],
-        code=lambda wildcards: code(
-            "fit_block.py", block_module(system_of(wildcards)["blocks"][wildcards.block]["kind"])
-        ),
+        kind=lambda wildcards: block_of(wildcards)["kind"],
+        settings=lambda wildcards: block_of(wildcards)["settings"],
+        faces=lambda wildcards: "faces" in needs_of(block_class(block_of(wildcards)["kind"])),
+        made_of=lambda wildcards: parts_of_block(wildcards),
+        code=lambda wildcards: code("fit_block.py", block_module(block_of(wildcards)["kind"])),
     script:
         "../scripts/fit_block.py"
 
@@ -65,8 +68,6 @@ rule encode_block:
         mem_mb=500,
         disk_mb=200,
     params:
-        code=lambda wildcards: code(
-            "encode_block.py", block_module(system_of(wildcards)["blocks"][wildcards.block]["kind"])
-        ),
+        code=lambda wildcards: code("encode_block.py", block_module(block_of(wildcards)["kind"])),
     script:
         "../scripts/encode_block.py"

@@ -25,7 +25,7 @@ rule train_model:
     priority: 10
     threads: 1
     resources:
-        mem_mb=2000,
+        mem_mb=memory_of_training,
         disk_mb=200,
     params:
         row=lambda wildcards: row_of(wildcards).plain(),

@@ -25,11 +25,13 @@ rule measure_model:
         coding=of_coding("model.safetensors"),
         predictions="<system>/models/{model}/predictions.h5",
         targets=shards("<system>/targets/{shard}.h5"),
+        parameters=of_coding_shards("parameters/{shard}.h5"),
         alignment=shards("<corpus>/alignment/{shard}.tsv"),
         lips="<system>/lips.tsv",
     output:
         test="<system>/models/{model}/statistics.tsv",
         validation="<system>/models/{model}/validation.tsv",
+        camera="<system>/models/{model}/camera.tsv",
     log:
         "<system>/logs/measure_model/{model}.log",
     benchmark:
@@ -201,11 +203,37 @@ rule tabulate_ablation:
         "../scripts/tabulate_ablation.py"
 
 
+rule tabulate_selection:
+    input:
+        utterances=of_coding("utterances.tsv"),
+        coding=of_coding("model.safetensors"),
+        statistics=statistics_of_selection,
+    output:
+        multiext("<system>/tables/{selection}", *FORMS),
+    log:
+        "<system>/logs/tabulate_selection/{selection}.log",
+    wildcard_constraints:
+        selection=SELECTIONS,
+    params:
+        rows=carried(selected_rows),
+        rows_digest=marked(selected_rows),
+        facts=facts_of,
+        selection=lambda wildcards: wildcards.selection,
+        settings=lambda wildcards: system_of(wildcards)["tables"]["selections"][wildcards.selection],
+        digits=lambda wildcards: system_of(wildcards)["tables"]["digits"],
+        published=lambda wildcards: system_of(wildcards)["published"],
+        bootstrap=lambda wildcards: system_of(wildcards)["tables"]["bootstrap"],
+        seed=SEED,
+        code=code("tabulate_selection.py"),
+    script:
+        "../scripts/tabulate_selection.py"
+
+
 rule tabulate_systems:
     input:
         utterances=of_systems(lambda wildcards: [of_coding("utterances.tsv")(wildcards)]),
         codings=of_systems(lambda wildcards: [of_coding("model.safetensors")(wildcards)]),
-        statistics=of_systems(statistics_of()),
+        statistics=of_systems(statistics_of(file="camera.tsv")),
     output:
         multiext("<corpus>/tables/systems", *FORMS),
     log:

@@ -7,12 +7,7 @@ rule render_videos:
         predictions=shown_model("predictions.h5"),
         landmarks=shards("<corpus>/landmarks/{shard}.h5"),
         pose=shards("<corpus>/pose/{shard}.h5"),
-        parameters=lambda wildcards: filled(
-            "<coding>/parameters/{shard}.h5",
-            wildcards,
-            coding=system_of(wildcards)["coding"],
-            shard=PLAN.corpora[wildcards.corpus].shards,
-        ),
+        parameters=of_coding_shards("parameters/{shard}.h5"),
         textures=faces,
     output:
         directory("<system>/videos"),

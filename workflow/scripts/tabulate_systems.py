@@ -20,6 +20,7 @@ with job(snakemake.log[0]):
     for given in params.systems:
         measured = MeasuredRows.of(given["rows"], [read_numbers(path) for path in given["statistics"]]).on(split)
         facts = TableFacts.of(given["facts"], split, read_shapes(given["coding"]), measured)
+        facts = facts.at(given["rate"])
         systems.append(SystemRows(given["title"], facts, measured))
     bootstrap = BootstrapSettings(**params.bootstrap, seed=params.seed)
     frame = systems_frame(systems, bootstrap)

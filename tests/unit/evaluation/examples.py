@@ -23,6 +23,7 @@ def statistics(errors, corr=0.5, gv=0.5, frames=None, rate=25.0, undefined=0, id
     means = dict.fromkeys(MEANS, errors) | {"corr": np.broadcast_to(corr, errors.shape)}
     columns = {"id": ids or [f"u{i}" for i in range(len(errors))], "rate": rate, "frames": frames}
     columns |= {f"{name}_sum": values * frames for name, values in means.items()}
+    columns |= {"utterances": 1, "rmse_first5_sum": errors, "corr_first5_sum": np.broadcast_to(corr, errors.shape)}
     columns |= {"gv_ratio_sum": 2.0 * np.broadcast_to(gv, errors.shape), "true_scatter": 2.0}
     # Two dimensions, of which the second is predicted a little less well.
     moments = {"predicted": 0.0, "true": 0.0, "predicted_squared": 1.0, "true_squared": 1.0, "predicted_true": corr}

@@ -36,6 +36,7 @@ def given(folder):
         write_table(folder / f"{row.name}.tsv", curve)
     spoken = even_alignment([("a", ["ah"])], 0.4)
     write_table(folder / "alignment.tsv", to_table({"c": spoken, "d": spoken}))
+    (folder / "figure.png").write_bytes(b"a picture")
     (folder / "fan2015" / "videos").mkdir(parents=True)
     (folder / "fan2015" / "videos" / "c.mp4").touch()
     return {
@@ -48,10 +49,13 @@ def given(folder):
         "rows": [row.plain() for row in rows],
         "curves": [str(folder / f"{row.name}.tsv") for row in rows],
         "coding": "",
+        "visemes": [],
         "reference": "",
         "predictions": arrays(folder / "predictions.h5", "appearance", 10, "bcd"),
         "model": "FBB-64",
         "videos": str(folder / "fan2015" / "videos"),
+        "figures": [str(folder / "figure.png")],
+        "captions": ["Parameter 5"],
     }
 
 
@@ -70,13 +74,14 @@ def test_everything_that_the_files_hold(tmp_path):
     assert [picture.caption[:28] for picture in made.trajectories] == [
         f"Appearance parameters of {one}, "[:28] for one in "cd"
     ]
+    assert [(picture.png, picture.caption) for picture in made.figures] == [(b"a picture", "Parameter 5")]
     (video,) = made.videos
     assert (video.path, video.transcript, video.model) == ("fan2015/videos/c.mp4", "words of c", "FBB-64")
 
 
 def test_what_is_not_given_is_left_out(tmp_path):
-    made = section(tmp_path, tables=[], rows=[], curves=[], predictions="", videos="")
-    assert not (made.tables or made.learning_curves or made.trajectories or made.videos)
+    made = section(tmp_path, tables=[], rows=[], curves=[], predictions="", videos="", figures=[], captions=[])
+    assert not (made.tables or made.learning_curves or made.trajectories or made.videos or made.figures)
 
 
 def test_the_origin_of_a_report(monkeypatch):

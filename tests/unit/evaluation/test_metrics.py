@@ -56,6 +56,45 @@ def test_correlation_by_hand():
     np.testing.assert_allclose(scoring.frame_correlation(predicted, true), [-1.0, 1.0, 0.5], rtol=1e-14)
 
 
+def test_the_first_five_dimensions_over_time_as_scipy_says():
+    """Thangthai et al. (2016), section 5: averaged over five coefficients and then over utterances."""
+    from scipy.stats import pearsonr
+
+    generator = np.random.default_rng(5)
+    pairs = []
+    for frames in (12, 40):
+        true = random_faces(generator, frames)
+        pairs.append((random_faces(generator, frames, like=true, noise=0.7), true))
+    table = scoring.score_table(scoring.score(f"u{i}", *pair, 25.0, drift_kept=True) for i, pair in enumerate(pairs))
+    correlation, error, absolute = [], [], []
+    for predicted, true in pairs:
+        x, y = predicted.appearance[:, :5], true.appearance[:, :5]
+        correlation.append(np.mean([pearsonr(x[:, i], y[:, i]).statistic for i in range(5)]))
+        error.append(np.mean([np.std(x[:, i] - y[:, i]) for i in range(5)]))
+        absolute.append(np.mean([np.sqrt(np.mean((x[:, i] - y[:, i]) ** 2)) for i in range(5)]))
+    expected = {"corr_first5": correlation, "rmse_first5": error, "rmse_first5_absolute": absolute}
+    for name, each in expected.items():
+        assert metrics.corpus_figure(table, name) == pytest.approx(np.mean(each), rel=1e-12)
+        found = metrics.over_utterances(table, metrics.METRICS[name])
+        assert found == pytest.approx((np.mean(each), np.std(each, ddof=1)), rel=1e-12)
+
+
+def test_a_constant_dimension_correlates_with_nothing_over_time():
+    true = random_faces(np.random.default_rng(6), 20)
+    predicted = FaceSequence(np.full((20, 7), 3.0), true.shape, true.texture, true.lips)
+    row = score(predicted, true)
+    assert row["corr_first5"] == 0 and row["rmse_first5"] == pytest.approx(true.appearance[:, :5].std(axis=0).mean())
+    half = np.where(np.arange(7) % 2, 3.0, true.appearance)
+    assert score(FaceSequence(half, true.shape, true.texture, true.lips), true)["corr_first5"] == pytest.approx(3 / 5)
+
+
+def test_of_one_utterance_there_is_no_deviation():
+    true = random_faces(np.random.default_rng(7), 20)
+    table = scoring.score_table([scoring.score("a", true, true, 25.0)])
+    mean, deviation = metrics.over_utterances(table, metrics.METRICS["corr_first5"])
+    assert mean == pytest.approx(1) and np.isnan(deviation)
+
+
 def test_correlation_agrees_with_numpy():
     generator = np.random.default_rng(1)
     predicted, true = generator.normal(size=(2, 30, 87)) + 1000

@@ -23,6 +23,22 @@ def curve(epochs: int, seed: int = 0):
     )
 
 
+def test_one_parameter_with_the_boundaries_of_phones():
+    """Offsets do not change the picture, another parameter does; a line stands where a phone begins."""
+    generator = np.random.default_rng(2)
+    true, flat = generator.normal(size=(50, 6)), np.zeros((50, 6))
+    phones = [("sil", 0.0, 0.2), ("ah", 0.2, 0.5)]
+    png = plots.parameter(true, {"B": flat, "C": true}, 100.0, phones, 5, title="u1: words")
+    assert png == plots.parameter(true + 7, {"B": flat - 3, "C": true}, 100.0, phones, 5, title="u1: words")
+    assert png != plots.parameter(true, {"B": flat, "C": true}, 100.0, phones, 4, title="u1: words")
+    lines = (picture(png) == (0xC8, 0xC8, 0xC8)).all(axis=2).sum(axis=0)
+    assert (lines > 100).sum() >= 1
+    with pytest.raises(DataError, match="no parameter 7; the visual coding has 6"):
+        plots.parameter(true, {}, 100.0, phones, 7)
+    with pytest.raises(DataError, match="B predicts an array of shape"):
+        plots.parameter(true, {"B": flat[1:]}, 100.0, phones, 1)
+
+
 @pytest.mark.parametrize(
     "panels",
     [{}, {"": ["FBB-128"]}, {letters: [f"{letters}-{nodes}" for nodes in (1, 2, 3)] for letters in ("F", "BB")}],

@@ -123,7 +123,8 @@ def test_only_errors_are_shown_as_ratios():
     names = [metric.name for metric in rows.metrics(METRICS)]
     summary = statistics.summarise(rows, names, statistics.BootstrapSettings(samples=50))
     ratios = summary.set_index("metric")["ratio"].notna()
-    assert set(ratios.index[ratios]) == {"rmse_shape", "rmse_texture", "rmse_appearance", "lip_distance_px"}
+    errors = {"rmse_shape", "rmse_texture", "rmse_appearance", "lip_distance_px", "rmse_first5"}
+    assert set(ratios.index[ratios]) == errors
 
 
 def test_repetitions_are_drawn_beside_utterances():

@@ -70,7 +70,38 @@ def test_points_move_with_every_affine_map():
     np.testing.assert_allclose(POINTS.select(faces @ turn + shift), POINTS.select(faces) @ turn + shift, atol=1e-9)
 
 
-@pytest.mark.parametrize("points", [POINTS, parse_point_set(SMALL, "small")], ids=lambda points: points.name)
+LIPS_JAW_NOSTRILS = read_point_set("lips_jaw_nostrils_34")
+
+
+def test_the_34_points_of_lips_jaw_and_nostrils():
+    face, points = generic_face(), LIPS_JAW_NOSTRILS
+    assert points.size == 34 and points.freedom == 68
+    for name, landmarks in {"jaw": range(4, 13), "nostrils": range(31, 36), "lips": range(48, 68)}.items():
+        np.testing.assert_array_equal(points.region(points.select(face), name), face[list(landmarks)])
+
+
+def test_what_the_34_points_lack_is_held_where_it_was_recorded():
+    """There are no cheeks: the upper jaw line, the bridge of the nose and the eyes stay when lips and jaw move."""
+    points = LIPS_JAW_NOSTRILS
+    modelled = set(np.argmax(points.selection, axis=1))
+    assert not modelled & set(points.held) and {0, 1, 2, 3, 13, 14, 15, 16, 27, 30} < set(points.held)
+    assert points.face_width == (points.size + list(points.held).index(0), points.size + list(points.held).index(16))
+    made = heads.record(12, seed=4, mouth=5)
+    head = fit_head(made.points, heads.SIZE)
+    pose = estimate(made.points, head, rate=25.0)
+    wanted = to_vector(points.select(to_frontal(made.points, pose, head))) + 4
+    placement = place(made.points, wanted, pose, head, points, rate=25.0)
+    moved = np.linalg.norm(placement.target - placement.recorded, axis=2)
+    np.testing.assert_array_equal(moved[:, points.size :], 0)
+    np.testing.assert_allclose(moved[:, points.regions["nostrils"]], 0, atol=1e-9)
+    jaw = moved[:, points.regions["jaw"]].mean(axis=0)
+    assert jaw[0] < 0.6 * jaw[4] and moved[:, points.regions["lips"]].min() > 3
+
+
+MESHES = [POINTS, LIPS_JAW_NOSTRILS, parse_point_set(SMALL, "small")]
+
+
+@pytest.mark.parametrize("points", MESHES, ids=lambda points: points.name)
 def test_mesh_tiles_the_outline_without_overlap_and_keeps_the_lips(points):
     face = points.select(points68(opening=6))
     areas = points.areas(face)
@@ -81,6 +112,15 @@ def test_mesh_tiles_the_outline_without_overlap_and_keeps_the_lips(points):
     edges = {frozenset((int(t[i]), int(t[i - 1]))) for t in points.triangles for i in range(3)}
     for ring in (points.regions["outer_lips"], points.regions["inner_lips"], points.outline):
         assert all(frozenset((int(ring[i]), int(ring[i - 1]))) in edges for i in range(len(ring)))
+
+
+def test_mesh_of_34_points_is_symmetric():
+    mirror = [*range(8, -1, -1), *range(13, 8, -1), *range(20, 13, -1), *range(25, 20, -1), *range(30, 25, -1)]
+    mirror += [33, 32, 31]
+    face = LIPS_JAW_NOSTRILS.select(generic_face())
+    np.testing.assert_allclose(face[mirror] * [-1, 1], face, atol=1e-12)
+    mesh = {frozenset(map(int, t)) for t in LIPS_JAW_NOSTRILS.triangles}
+    assert {frozenset(mirror[i] for i in t) for t in mesh} == mesh
 
 
 def test_mesh_is_symmetric_off_the_midline():

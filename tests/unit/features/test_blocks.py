@@ -14,6 +14,8 @@ from visualspeech.features.blocks.base import (
     block_class,
     block_kinds,
     block_module,
+    encoding_needs,
+    fit_block,
     load_block,
     needs_of,
     save_block,
@@ -39,24 +41,44 @@ SENTENCES = (
 LENGTHS = (28, 13)
 SOURCES = [Source(frames, 25.0, even_alignment(words)) for frames, words in zip(LENGTHS, SENTENCES, strict=True)]
 NOISE = np.random.default_rng(5).normal(0, 2000, (2, 18000)).astype(np.int16)
+FACES = np.random.default_rng(6).normal(0, 10, (2, 28, 3)).cumsum(axis=1)
+#: With all that a block can be computed from.
 HEARD = [
-    replace(one, sound=Sound(noise[: 640 * one.frames])) for one, noise in zip(SOURCES, NOISE, strict=True)
-]  # fmt: skip
+    replace(one, sound=Sound(noise[: 640 * one.frames]), parameters=face[: one.frames], id=name)
+    for one, noise, face, name in zip(SOURCES, NOISE, FACES, "ab", strict=True)
+]
 PHONES = phone_inventory(source.alignment for source in SOURCES)
 
 
 def fitted(kind, **settings):
     cls = block_class(kind)
-    return cls.fit(with_defaults(cls.settings, settings) if cls.settings else {}, PHONES, iter(HEARD))
+    if kind == "dynamic_visemes":
+        settings = {"classes": 3, **settings}
+    blocks = {}
+    if kind == "viseme_context":
+        blocks = {"dv": fitted("dynamic_visemes", source=settings.pop("source", "predicted"))}
+        settings = {"visemes": "dv", **settings}
+    return fit_block(kind, with_defaults(cls.settings, settings) if cls.settings else {}, PHONES, iter(HEARD), blocks)
 
 
 def test_the_kinds_are_the_modules():
-    assert block_kinds() == ["label_parts", "log_mel", "phone_classes", "phone_track", "triphone_state"]
+    assert block_kinds() == [
+        "dynamic_visemes",
+        "full_context",
+        "label_parts",
+        "linguistic",
+        "log_mel",
+        "phone",
+        "phone_classes",
+        "phone_track",
+        "triphone_state",
+        "viseme_context",
+    ]
     for kind in block_kinds():
         cls = block_class(kind)
         assert cls.kind == kind and cls.__module__ == block_module(kind)
         assert cls.settings is None or issubclass(cls.settings, Settings)
-    known = "label_parts, log_mel, phone_classes, phone_track"
+    known = "dynamic_visemes, full_context, label_parts, linguistic, log_mel, phone, phone_classes, phone_track"
     with pytest.raises(StorageError, match=f"kind 'triphones' is unknown. Known: {known}"):
         block_class("triphones")
 
@@ -70,6 +92,13 @@ def test_the_kinds_are_the_modules():
         ("phone_classes", {"fractional": True, "states": "thirds"}),
         ("phone_classes", {"states": "none"}),
         ("phone_track", {"states": "aligned"}),
+        ("phone", {"long_pause": 0.05}),
+        ("linguistic", {"features": ["phone_context", "position"]}),
+        ("linguistic", {"features": ["acoustic_class"], "long_pause": 1.0}),
+        ("dynamic_visemes", {"source": "oracle"}),
+        ("viseme_context", {"source": "oracle"}),
+        ("viseme_context", {"features": ["viseme_context", "position"]}),
+        ("viseme_context", {"features": ["number_of_frames"]}),
     ],
 )
 def test_streams_fit_the_layout_and_the_file_gives_the_same(tmp_path, kind, settings):
@@ -197,7 +226,7 @@ def test_what_blocks_are_computed_from(tmp_path):
         out.add("c", {"appearance": np.zeros((56, 2))}, rate=50.0)
     with ArrayReader(tmp_path / "targets.h5") as targets:
         # Utterance b is accepted but has no targets; c has some and is not accepted.
-        assert base.read_sources(tmp_path / "alignment.tsv", targets, ["a", "b"]) == {"a": SOURCES[0]}
+        assert base.read_sources(tmp_path / "alignment.tsv", targets, ["a", "b"]) == {"a": replace(SOURCES[0], id="a")}
         known = [phone for phone in PHONES if phone != "ah"]
         (other,) = base.read_sources(tmp_path / "alignment.tsv", targets, ["a"], known).values()
         assert {one.label for one in other.alignment.phones} <= set(known)
@@ -207,7 +236,9 @@ def test_what_blocks_are_computed_from(tmp_path):
 
 def test_blocks_say_what_they_are_computed_from():
     needs = {kind: needs_of(block_class(kind)) for kind in block_kinds()}
-    assert needs.pop("log_mel") == ("audio",) and set(needs.values()) == {("text",)}
+    assert needs.pop("log_mel") == ("audio",)
+    assert needs.pop("dynamic_visemes") == needs.pop("viseme_context") == ("text", "faces")
+    assert set(needs.values()) == {("text",)}
     # What a label block reads does not change where there is sound.
     for kind in needs:
         for one, other in zip(fitted(kind).encode(SOURCES), fitted(kind).encode(HEARD), strict=True):
@@ -328,3 +359,47 @@ def test_a_new_kind_is_a_module_beside_the_others(loudness, tmp_path):
     both = {"tri": fitted("triphone_state"), "loud": replace(block, gain=1.0)}
     found = unpack(*pack(both))
     assert found["loud"].mean.tolist() == [20.5] and found["tri"] == both["tri"]
+
+
+def test_visemes_of_new_speech_need_its_text_alone():
+    for kind in ("dynamic_visemes", "viseme_context"):
+        predicted, oracle = fitted(kind), fitted(kind, source="oracle")
+        assert encoding_needs(predicted) == ("text",) and "faces" in encoding_needs(oracle)
+        # What is not of the training, nor has a face, is read by the model of all training utterances.
+        for stream, source in zip(predicted.encode(SOURCES), SOURCES, strict=True):
+            assert len(stream) == source.frames
+        with pytest.raises(DataError, match=r"`source: oracle`\), and new speech has none"):
+            list(oracle.encode(SOURCES))
+
+
+@pytest.mark.parametrize("kind", ["dynamic_visemes", "viseme_context"])
+def test_a_model_keeps_no_trace_of_which_utterances_it_was_trained_on(kind):
+    block = fitted(kind)
+    arrays, plain = pack({"dv": block})
+    assert any("crossfit" in name for name in block.state()[0]) and not any("crossfit" in name for name in arrays)
+    (again,) = unpack(arrays, plain).values()
+    assert again == block.for_new_speech() != block and again.for_new_speech() == again
+    for one, other in zip(again.encode(SOURCES), block.encode(SOURCES), strict=True):
+        assert all(np.array_equal(values, other.arrays()[name]) for name, values in one.arrays().items())
+
+
+def test_recorded_parameters_are_read_when_a_block_asks_for_them(tmp_path):
+    with ArrayWriter(tmp_path / "targets.h5") as out:
+        for name, face in zip("ab", FACES, strict=True):
+            out.add(name, {"appearance": face}, rate=25.0)
+    with ArrayReader(tmp_path / "targets.h5") as targets:
+        found = base.read_sources(None, targets, ["a", "b"], faces=True)
+        assert base.read_sources(None, targets, ["a"])["a"].parameters is None
+        assert np.array_equal(np.asarray(found["b"].parameters), FACES[1]) and found["b"].id == "b"
+        sources = base.Sources([], targets, ["a"], faces=True)
+        assert [one.id for one in sources] == [one.id for one in sources] == ["a"]  # any number of passes
+
+
+def test_blocks_of_a_model_have_the_same_phones():
+    arrays, plain = pack(
+        {"tri": fitted("triphone_state"), "track": fitted("phone_track"), "ph": fitted("phone_classes")}
+    )
+    assert list(unpack(arrays, plain)) == ["tri", "track", "ph"]
+    plain[1]["state"]["phones"] = plain[1]["state"]["phones"][:-1]
+    with pytest.raises(StorageError, match="its input blocks have different phones"):
+        unpack(arrays, plain)

@@ -11,7 +11,7 @@ from visualspeech.features.blocks.label_parts import LabelParts
 from visualspeech.features.blocks.phone_track import PhoneTrack
 from visualspeech.features.blocks.triphone_state import TriphoneState
 from visualspeech.features.examples import Example
-from visualspeech.models import ensemble, gv_compensation, lookup, mean, stack
+from visualspeech.models import dnn, ensemble, gv_compensation, lookup, mean, stack
 from visualspeech.models.families import FAMILIES
 from visualspeech.models.hmm import family as hmm
 from visualspeech.models.inventory import phones_of, predict_alignment
@@ -25,6 +25,7 @@ CASES = {
     "hmm": (hmm, {"variant": "monophone", "states": 2, "rate": 50.0}, {"track": TRACK}, {}),
     "lookup": (lookup, {}, {"tri": TRI}, {}),
     "mean": (mean, {}, {}, {}),
+    "dnn": (dnn, {"layers": 1, "nodes": 4}, {"tri": TRI}, {"max_epochs": 1}),
     "ensemble": (ensemble, {"members": ["hmm", "lookup"]}, {"track": TRACK, "tri": TRI}, {}),
     "gv_compensation": (gv_compensation, {}, {"tri": TRI}, {}),
 }

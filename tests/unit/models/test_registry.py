@@ -23,6 +23,8 @@ from visualspeech.storage.models import write_model
 
 INPUTS = {"tri": {}, "track": {}, "parts": {}}
 NETS = {"family": "stack", "letters": ["FBB", "F"], "nodes": [64, 128], "reads": ["tri"]}
+DNN = {"family": "dnn", "layers": [1, 3], "nodes": [64], "reads": [{"tri": 0.16}, "parts"]}
+SHUFFLED = {"batcher": "shuffled_frames", "objective": "mse"}
 HMM = {"family": "hmm", "variant": "monophone", "reads": ["track"]}
 
 
@@ -50,6 +52,31 @@ def test_an_entry_without_a_list_has_its_own_name():
     assert (one.cell, one.title, one.settings["letters"]) == ("joint", "joint", "FBB")
     assert names({"nets": {**NETS, "letters": "BB", "nodes": [8]}}) == ["BB-8"]
     assert row({"joint": {**NETS, "letters": "F", "nodes": 8, "title": "Joint"}}, "joint").title == "Joint"
+
+
+def test_a_grid_of_layers_and_nodes_with_windows():
+    assert names({"dnn": DNN}, training=SHUFFLED) == ["DNN-1x64", "DNN-3x64"]
+    one = row({"dnn": {**DNN, "training": SHUFFLED}}, "DNN-3x64")
+    assert (one.reads, one.windows, one.settings["layers"]) == (("tri", "parts"), {"tri": 0.16}, 3)
+    assert one.inputs == ("tri (0.16 s either side)", "parts")
+    assert one.plain()["windows"] == {"tri": 0.16} and one.training["batcher"] == "shuffled_frames"
+    inherited = row({"dnn": DNN, "more": {"like": "dnn", "suffix": "b"}}, "DNN-1x64-b")
+    assert inherited.windows == {"tri": 0.16}
+    narrow = row({"dnn": DNN, "more": {"like": "dnn", "reads": ["tri"], "suffix": "b"}}, "DNN-1x64-b")
+    assert (narrow.reads, narrow.windows) == (("tri",), {})
+    assert row({"net": {**NETS, "letters": ["FBB"], "reads": [{"tri": 1}]}}, "FBB-64").windows == {"tri": 1.0}
+
+
+def test_rows_without_windows_have_no_key_for_them():
+    assert all(
+        "windows" not in one.plain() for one in rows({"nets": NETS, "hmm": HMM, "dnn": {**DNN, "reads": ["tri"]}})
+    )
+
+
+def test_rows_made_of_rows_with_windows_read_their_blocks():
+    mix = {"family": "ensemble", "members": ["dnn", "hmm"]}
+    found = row({"dnn": DNN, "hmm": HMM, "mix": mix, "gv": {"family": "gv_compensation", "from": "DNN-1x64"}}, "mix")
+    assert (found.reads, found.windows) == (("tri", "parts", "track"), {})
 
 
 def test_seeds_repeat_networks_alone():
@@ -121,7 +148,7 @@ def test_models_come_before_baselines_and_the_floor():
 
 
 def test_rows_are_plain_data_and_come_back():
-    for one in rows({"nets": NETS, "hmm": HMM}):
+    for one in rows({"nets": NETS, "hmm": HMM, "dnn": DNN}):
         assert ModelRow.of(json.loads(json.dumps(one.plain()))) == one
 
 
@@ -150,6 +177,31 @@ def test_rows_are_plain_data_and_come_back():
         ({"a": {"like": "b"}, "b": {"from": "a"}}, "`models.a.like: b` leads back to a; name another entry"),
         ({"a": {"like": "a"}}, "`models.a.like: a` leads back to a; name another entry"),
         ({"nets": NETS, "more": {"from": "nets", "suffix": "b"}}, "`models.more.from: nets` asks for a model for each"),
+        ({"dnn": {**DNN, "reads": [{"trj": 0.1}]}}, r"`models.dnn.reads.0: trj` must be one of tri"),
+        ({"dnn": {**DNN, "reads": ["parts", {"tri": -0.1}]}}, "`models.dnn.reads.1.tri: -0.1` must be above 0 and at"),
+        ({"dnn": {**DNN, "reads": [{"tri": 0}]}}, r"`models.dnn.reads.0.tri: 0` must be above 0 and at most 1.0. Win"),
+        ({"dnn": {**DNN, "reads": [{"tri": 16}]}}, "`models.dnn.reads.0.tri: 16` must be above 0 and at most 1"),
+        ({"dnn": {**DNN, "reads": [{"tri": float("nan")}]}}, "`models.dnn.reads.0.tri: .nan` must be a number"),
+        ({"dnn": {**DNN, "reads": [{"tri": "wide"}]}}, "`models.dnn.reads.0.tri: wide` must be a number, above 0 and"),
+        ({"dnn": {**DNN, "reads": [{"tri": None}]}}, "`models.dnn.reads.0.tri` is empty and must be a number"),
+        ({"dnn": {**DNN, "reads": [{"tri": 0.1, "parts": 0.1}]}},
+         "`models.dnn.reads.0: .*` must be one input block with its window in seconds before and after a frame"),
+        ({"dnn": {**DNN, "reads": [{}]}}, "`models.dnn.reads.0: .*` must be one input block with its window"),
+        ({"dnn": {**DNN, "reads": ["tri", {"tri": 0.1}]}}, r"`models.dnn.reads: \[tri, tri\]` names tri more"),
+        ({"dnn": {**DNN, "reads": {"tri": 0.1}}}, r"`models.dnn.reads: {tri: 0.1}` must be a list"),
+        ({"hmm": {**HMM, "reads": [{"track": 0.1}]}}, "`models.hmm.reads` has a window; this family reads none."),
+        ({"nets": {**NETS, "letters": ["FB", "BB"], "reads": [{"tri": 0.1}]}},
+         "`models.nets.reads` has a window; a stack reads windows by a feed-forward layer. Begin `letters` with F"),
+        ({"nets": {**NETS, "letters": ["B"]}, "more": {"like": "nets", "reads": [{"tri": 0.1}], "suffix": "b"}},
+         "`models.more.reads` has a window; a stack"),
+        ({"dnn": {**DNN, "layers": [6]}}, "`models.dnn.layers.0: 6` must be at least 1 and at most 5"),
+        ({"dnn": {**DNN, "nodes": 5000}}, "`models.dnn.nodes: 5000` must be at least 1 and at most 4096"),
+        ({"nets": {**NETS, "training": SHUFFLED}},
+         "`models.nets.training.batcher: shuffled_frames` is for models that predict each frame by itself"),
+        ({"dnn": {**DNN, "training": {**SHUFFLED, "objective": "sse_centred"}}},
+         "`training.objective: sse_centred` must be one of sse, mse, ccc with `batcher: shuffled_frames`"),
+        ({"dnn": {**DNN, "training": {**SHUFFLED, "open_weight": 1}}},
+         "`training.open_weight: 1` must be 0 with `batcher: shuffled_frames`"),
     ],
 )  # fmt: skip
 def test_every_mistake_is_a_sentence(models, said):

@@ -1,8 +1,11 @@
+from dataclasses import replace
+
 import numpy as np
 import pytest
 import torch
 
 from tests.unit.models.examples import BLOCKS, PHONES, utterances, with_stream
+from tests.unit.models.test_gathered import inputs
 from visualspeech.errors import SettingError
 from visualspeech.features.labels import one_hot
 from visualspeech.features.streams import Layout, Stream
@@ -106,6 +109,32 @@ def test_an_utterance_alone_and_in_a_padded_batch(letters):
             torch.testing.assert_close(outputs[row, : len(alone)], alone, rtol=1e-6, atol=1e-6)
 
 
+@pytest.mark.parametrize("letters", ["F", "FB", "FCB"])
+def test_windows_are_those_of_a_dense_first_layer(letters):
+    layouts = (replace(LABELS, window=2), DENSE)
+    module = stack(letters, layouts=layouts).double()
+    examples, given = padded(dense_utterances(4))
+    outputs = module(replace(given, values=given.values.double())).detach().numpy()
+    plain = stack(letters, layouts=(Layout(dimension=sum(one.width for one in layouts)),)).double()
+    weights = module.state_dict()
+    first = torch.cat([weights.pop("layers.0.classes").T, weights.pop("layers.0.values")], dim=1)
+    plain.load_state_dict({**weights, "layers.0.weight": first})
+    for row, one in enumerate(examples):
+        x = inputs(layouts, one.streams[0].index.astype(np.int64), one.streams[1].values)
+        alone = Batch(torch.zeros(1, len(x), 0), torch.tensor(x)[None], torch.tensor([len(x)]), torch.zeros(0))
+        np.testing.assert_allclose(outputs[row, : len(x)], plain(alone)[0].detach().numpy(), atol=1e-6)
+        assert not outputs[row, len(x) :].any()
+
+
+def test_a_stack_without_windows_has_the_weights_of_any_stack():
+    assert set(stack("F").state_dict()) == {"layers.0.weight", "layers.0.bias", "output.weight", "output.bias"}
+
+
+def test_windows_without_a_feed_forward_layer_are_a_sentence():
+    with pytest.raises(SettingError, match="`models.letters: BF` must be letters of which the first is F"):
+        stack("BF", layouts=(replace(LABELS, window=2),))
+
+
 def test_input_vectors_are_those_of_the_features():
     labels = utterances(1)[0].streams[0].index
     assert np.array_equal(stack("F").encode(torch.tensor(labels.astype(np.int64))).numpy(), one_hot(labels, 6))
@@ -177,6 +206,7 @@ def test_hidden_values_are_dropped_in_training_alone(letters):
 @pytest.mark.parametrize("letters", ["F", "B", "FBB", "BFBF", "CCF", "BCCB"])
 @pytest.mark.parametrize("b_nodes", ["direction", "layer"])
 def test_shapes_of_the_weights_are_known_without_a_network(letters, b_nodes):
-    settings, layouts = {"letters": letters, "nodes": 6, "b_nodes": b_nodes}, (LABELS, DENSE)
+    settings = {"letters": letters, "nodes": 6, "b_nodes": b_nodes}
+    layouts = (replace(LABELS, window=2 if letters[0] == "F" else 0), DENSE)
     made = Stack(StackSettings(**settings), layouts, 3).state_dict()
     assert weight_shapes(settings, layouts, 3) == {name: tuple(values.shape) for name, values in made.items()}

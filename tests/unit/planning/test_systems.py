@@ -111,6 +111,34 @@ def test_the_model_for_recordings_is_an_entry_or_a_row():
             resolved({"override": {"systems": {"fan2015": {"sound_model": name}}}})
 
 
+@pytest.mark.parametrize(
+    ("entry", "said"),
+    [
+        ({"hmm_monophone": {"reads": ["tri"]}}, "reads: tri` is .* of frames, and the family hmm reads segments. "
+         "Known: track, track_states"),
+        ({"sound": {"reads": ["mel", "track"]}}, "reads: track` is .* of segments, and the family stack reads frames. "
+         "Known: tri, "),
+    ],
+)  # fmt: skip
+def test_rows_read_segments_or_frames_as_their_family_does(entry, said):
+    with pytest.raises(SettingError, match=f"`systems.fan2015.models.{next(iter(entry))}.{said}"):
+        resolved({"override": {"systems": {"fan2015": {"models": entry}}}})
+
+
+def test_hsmms_are_hmms_with_durations_and_full_contexts():
+    changes = {
+        "blocks": {"full": {"kind": "full_context"}},
+        "models": {"hmm_monophone": {"durations": "gaussian", "reads": ["full"]}},
+    }
+    settings = resolved({"override": {"systems": {"fan2015": changes}}})
+    found = {row["name"]: row for row in settings["systems"]["fan2015"]["rows"]}
+    titles = ["monophone HSMM", "tied-state quinphone HSMM", "MGE-trained HSMM"]
+    for name, title in zip(("hmm_monophone", "hmm_tied", "hmm_mge"), titles, strict=True):
+        assert (found[name]["title"], found[name]["reads"]) == (title, ["full"])
+    assert settings["systems"]["fan2015"]["blocks"]["full"]["settings"]["neighbours"] == 2
+    assert found["hmm_tied_states"]["settings"]["durations"] == "geometric"
+
+
 def test_a_system_driven_by_sound_needs_no_text():
     system = resolved({"systems": ["sound_driven"]})["systems"]["sound_driven"]
     assert system["needs"] == ["video", "audio", "one_speaker"] and system["sound_model"] == "FBB-128"
@@ -194,14 +222,19 @@ MISTAKES = [
     (changed(needs=["colour"]), "`systems.fan2015.needs.0: colour` must be one of video, audio, text"),
     (changed(training={"dropout": 1}), "`systems.fan2015.training.dropout: 1` must be at least 0 and below 1"),
     (changed(training={"scaling": True}), "`systems.fan2015.training.scaling: true` must be one of global"),
-    (changed(blocks={"tri": {"kind": "triphone"}}),
-     r"`systems.fan2015.blocks.tri.kind: triphone` must be one of .*Did you mean `triphone_state`"),
+    (changed(blocks={"tri": {"kind": "triphone_stat"}}),
+     r"`systems.fan2015.blocks.tri.kind: triphone_stat` must be one of .*Did you mean `triphone_state`"),
     (changed(blocks={"tri": {}, "x": {"phones": 3}}), "`systems.fan2015.blocks.x` lacks `kind`. Kind of input block"),
     (changed(blocks={"tri": {"phones": 3}}), "unknown setting `systems.fan2015.blocks.tri.phones`. Known here: fra"),
     (changed(blocks={"parts": {"parts": ["tone"]}}), "`systems.fan2015.blocks.parts.parts.0: tone` must be one of pos"),
     (changed(blocks={"parts": None}, models={"nets": {"reads": ["parts"]}}),
      "`systems.fan2015.models.nets.reads.0: parts` must be one of tri, tri_shares"),
     (models(nets={"reads": "tri"}), r"`systems.fan2015.models.nets.reads: tri` must be a list; write \[tri\]"),
+    (models(nets={"letters": ["F"], "reads": [{"tri": 0.01}]}),
+     "`systems.fan2015.models.nets.reads`: the window of tri, 0.01 s, is less than a frame of 0.04 s"),
+    (models(wide={"family": "dnn", "reads": [{"track": 0.2}]}),
+     "`systems.fan2015.models.wide.reads`: the window of track must be left out: the block has a row per segment"),
+    (models(nets={"letters": ["BF"], "reads": [{"tri": 0.2}]}), "`systems.fan2015.models.nets.reads` has a window; a"),
     (models(nets={"seeds": []}), r"`systems.fan2015.models.nets.seeds: \[\]` must have at least 1 entry"),
     (models(nets={"suffix": "a/b"}), "`systems.fan2015.models.nets.suffix: a/b` must be of this form"),
     (models(nets={"training": 3}), "`systems.fan2015.models.nets.training: 3` must be lines of `key: value`"),
@@ -223,6 +256,17 @@ MISTAKES = [
      "`systems.fan2015.tables.ablation.rows.network` names 1 models; it must name one for each of the 2 `columns`"),
     (changed(tables={"ablation": {"columns": ["one"], "rows": {name: None for name in ABLATION} | {"x": ["nets"]}}}),
      "`systems.fan2015.tables.ablation.rows.x` names 1 models; .* there must be two"),
+    (changed(tables={"selections": {"mine": {"rows": ["net"]}}}),
+     r"`systems.fan2015.tables.selections.mine.rows.0: net` is no entry .*Did you mean `nets`"),
+    (changed(tables={"selections": {"mine": {"rows": ["nets"], "reference": "hmm_mge"}}}),
+     "`systems.fan2015.tables.selections.mine.reference: hmm_mge` is no row of this table. Known: nets"),
+    (changed(tables={"selections": {"gains": {"rows": ["nets"]}}}),
+     "`systems.fan2015.tables.selections.gains`: gains is the name of another table"),
+    (changed(tables={"selections": {"mine": {"rows": ["nets"], "down": "letters"}}}),
+     "`systems.fan2015.tables.selections.mine.down: letters` must be given together with `across`"),
+    (changed(tables={"selections": {"mine": {"metrics": ["rmse"]}}}),
+     "`systems.fan2015.tables.selections.mine.metrics.0: rmse` must be one of rmse_shape"),
+    (changed(trajectories={"models": ["FBB"]}), "`systems.fan2015.trajectories.models.0: FBB` is no model of"),
     (changed(tables={"metrics": ["rmse"]}), "`systems.fan2015.tables.metrics.0: rmse` must be one of rmse_shape"),
     (changed(published="fan2016"), "fan2016"),
     (changed(seeds=[1, 1]), r"`systems.fan2015.seeds: \[1, 1\]` names 1 more than once"),
@@ -278,3 +322,29 @@ def test_the_longest_name_of_a_model_fits_in_a_file_system():
     assert 64 + 33 == len(max(names, key=len)) < MAX_ID
     with pytest.raises(SettingError, match=r"nets.letters.0: F{80}.*at most 16"):
         resolved({"override": {"systems": {"fan2015": {"models": {"nets": {"letters": ["F" * 300]}}}}}})
+
+
+def test_tables_of_chosen_rows_name_rows_and_their_reference():
+    plain = resolved({"systems": ["thangthai2016"]})["systems"]["thangthai2016"]
+    units, layers = plain["tables"]["selections"]["units"], plain["tables"]["selections"]["layers"]
+    assert (
+        units["rows"][:2] == ["hsmm", "phone"]
+        and units["reference"] == "phone"
+        and units["rows"][-1] == "training_mean"
+    )
+    grid = [row["name"] for row in plain["rows"] if row["group"] == "grid"]
+    assert layers["rows"] == grid and len(grid) == 4
+    left_out = resolved({"systems": ["thangthai2016"], "override": {"systems": {"thangthai2016": {
+        "models": {"grid": None}, "tables": {"selections": {"units": None}}}}}})  # fmt: skip
+    tables = left_out["systems"]["thangthai2016"]["tables"]["selections"]
+    assert "units" not in tables and tables["layers"]["rows"] == []
+
+
+def test_rows_that_read_the_recorded_face_are_told_apart():
+    plain = resolved({"systems": ["thangthai2016"]})["systems"]["thangthai2016"]
+    roles = {row["name"]: row["role"] for row in plain["rows"]}
+    assert {name for name, role in roles.items() if role == "oracle"} == {
+        "dv_oracle", "phone_dv_oracle", *(row["name"] for row in plain["rows"] if row["group"] == "grid")
+    }  # fmt: skip
+    assert roles["phone_dv_predicted"] == roles["phone"] == roles["hsmm"] == "model"
+    assert plain["preference"]["models"] == ["phone_dv_predicted", "hsmm"]

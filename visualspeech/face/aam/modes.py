@@ -1,5 +1,7 @@
 """Images of the modes of an AAM, which show how one component changes the face."""
 
+from collections.abc import Iterable
+
 import numpy as np
 
 from visualspeech.errors import SettingError
@@ -46,13 +48,25 @@ def mode_pictures(
     distance = sd * np.sqrt(variances[mode])
     faces = [
         (
-            to_points(aam.shape_mean + (0 if shapes is None else step * shapes[mode])),
+            aam.shape_mean + (0 if shapes is None else step * shapes[mode]),
             aam.texture_mean + (0 if textures is None else step * textures[mode]),
         )
         for step in (-distance, 0.0, distance)
     ]
+    return _painted(aam, reference, faces, width, background)
+
+
+def face_pictures(
+    aam: Aam, reference: Reference, appearance: np.ndarray, width: int = 200, background: int = 255
+) -> list[np.ndarray]:
+    """Images of the faces with the parameters (T, N), in the size and scale of :func:`mode_pictures`."""
+    return _painted(aam, reference, zip(*aam.decode(appearance), strict=True), width, background)
+
+
+def _painted(aam: Aam, reference: Reference, faces: Iterable, width: int, background: int) -> list[np.ndarray]:
+    """Images of faces, each given by its shape (2P,) and its texture (3U,)."""
     low, high = to_points(aam.shape_mean).min(axis=0), to_points(aam.shape_mean).max(axis=0)
     margin = _MARGIN * (high[0] - low[0])
     scale = width / (high[0] - low[0] + 2 * margin)
     canvas = np.full((int(np.ceil((high[1] - low[1] + 2 * margin) * scale)), width, 3), background, np.uint8)
-    return [paint(texture, (points - low + margin) * scale, reference, canvas) for points, texture in faces]
+    return [paint(texture, (to_points(shape) - low + margin) * scale, reference, canvas) for shape, texture in faces]

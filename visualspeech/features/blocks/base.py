@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from importlib import import_module
 from pathlib import Path
 from pkgutil import iter_modules
+from types import MappingProxyType
 from typing import ClassVar, Protocol
 
 import numpy as np
@@ -33,6 +34,9 @@ class Source:
     alignment : words, phones and states with their times; None where no block needs ``text``
     sound : the recording; None where no block needs ``audio``
     begin : time in seconds in the sound of the visual stream's beginning, where it accompanies a part of the sound
+    parameters : (frames, N) recorded parameters of the visual coding, an array or what NumPy makes one of; None where
+        no block needs ``faces``, and for new speech
+    id : of a recorded utterance; empty for new speech
     """
 
     frames: int
@@ -40,12 +44,35 @@ class Source:
     alignment: Alignment | None = None
     sound: Sound | None = None
     begin: float = 0.0
+    parameters: "np.ndarray | StoredParameters | None" = None
+    id: str = ""
+
+
+@dataclass(frozen=True, eq=False)
+class StoredParameters:
+    """Recorded parameters of an utterance in a file of arrays, read where they are made an array.
+
+    Parameters
+    ----------
+    arrays : opened reader or collection with the array ``appearance``
+    utterance : id
+    """
+
+    arrays: object
+    utterance: str
+
+    def __array__(self, dtype=None, copy=None) -> np.ndarray:
+        return np.asarray(self.arrays.array(self.utterance, "appearance"), dtype)
 
 
 class Block(Protocol):
     """An input block, fitted.
 
-    A block that is computed from sound says so with ``needs = ("audio",)``; see :func:`needs_of`.
+    A block that is computed from sound says so with ``needs = ("audio",)``; see :func:`needs_of`. One whose rows are
+    segments says so with ``segmental = True``, so that planning knows it. One whose streams need less than its fit has
+    ``encoding_needs(settings)``, see :func:`encoding_needs`, and ``encoded_from``. One that is computed from another
+    block of the system has ``made_of``, see :func:`parts_of`, and its ``fit`` takes the fitted blocks by name as a
+    fourth argument. One that keeps what only training utterances need has ``for_new_speech()``, the block without it.
     """
 
     kind: ClassVar[str]
@@ -62,7 +89,8 @@ class Block(Protocol):
         ----------
         settings : those of the block in the system's settings, defaults filled in
         phones : inventory of the corpus
-        training : training utterances; read only by blocks that learn from them
+        training : training utterances; read only by blocks that learn from them, which may go through them repeatedly
+            where it is no iterator
         """
 
     @property
@@ -105,8 +133,50 @@ def block_class(kind: str) -> type[Block]:
 
 
 def needs_of(block: "type[Block] | Block") -> tuple[str, ...]:
-    """What a block, or its class, is computed from: ``text`` (the alignment; where it says nothing), ``audio``."""
+    """What a block, or its class, is fitted on and computed from.
+
+    ``text`` (the alignment; where it says nothing), ``audio`` (the sound), ``faces`` (recorded parameters).
+    """
     return tuple(getattr(block, "needs", ("text",)))
+
+
+def encoding_needs(block: "type[Block] | Block", settings: Mapping | None = None) -> tuple[str, ...]:
+    """As :func:`needs_of`, of what a stream is computed from, where that is less than what the block is fitted on.
+
+    Parameters
+    ----------
+    block : fitted, or a class
+    settings : of a block of this class, defaults filled in; not needed for a fitted one
+    """
+    if isinstance(block, type):
+        return tuple(block.encoding_needs(settings)) if hasattr(block, "encoding_needs") else needs_of(block)
+    return tuple(getattr(block, "encoded_from", needs_of(block)))
+
+
+def parts_of(block: "type[Block]") -> Mapping[str, str]:
+    """Settings of a block of this class that name another block, which it is computed from -> the kind of that one."""
+    return getattr(block, "made_of", {})
+
+
+def fit_block(
+    kind: str,
+    settings: Mapping,
+    phones: Sequence[str],
+    training: Iterable[Source],
+    blocks: "Mapping[str, Block]" = MappingProxyType({}),
+) -> Block:
+    """A block for a corpus, see :meth:`Block.fit`; ``blocks`` are those that it is computed from, by name."""
+    return block_class(kind).fit(settings, phones, training, *([blocks] if blocks else []))
+
+
+def for_new_speech(block: Block) -> Block:
+    """A block without what only training utterances need, as it is kept with a model."""
+    return block.for_new_speech() if hasattr(block, "for_new_speech") else block
+
+
+def is_segmental(block: "type[Block] | Block") -> bool:
+    """Whether the rows of a block, or of its class, are segments; a class that says nothing has frames."""
+    return bool(getattr(block, "segmental", False))
 
 
 def restore(kind: str, arrays: Mapping[str, np.ndarray], plain: Mapping, path: str | Path = "") -> Block:
@@ -125,6 +195,8 @@ def restore(kind: str, arrays: Mapping[str, np.ndarray], plain: Mapping, path: s
         return cls.restore(arrays, plain)
     except SettingError as error:
         raise DamagedFile(path, f"its input block {kind} has settings that do not go together: {error}") from error
+    except DamagedFile as error:  # of a block inside it, which does not know the file
+        raise DamagedFile(path, error.reason) from error
 
 
 def save_block(path: str | Path, block: Block) -> None:
@@ -160,6 +232,7 @@ def read_sources(
     phones: Sequence[str] = (),
     complete: bool = False,
     audio=None,
+    faces: bool = False,
 ) -> dict[str, Source]:
     """What blocks are computed from, of the utterances of one shard, by id.
 
@@ -173,6 +246,7 @@ def read_sources(
         (:mod:`visualspeech.speech.substitutes`); empty: none is replaced
     complete : whether there must be an alignment of all of them; raises :class:`StorageError` where one is missing
     audio : open reader or collection of the sound, which is read when a block asks for it; None where it is not needed
+    faces : whether the recorded parameters are needed, which are read from the targets when a block asks for them
     """
     alignments = None if alignment is None else read_alignments(alignment)
     for name in ids if complete and alignments is not None else ():
@@ -185,5 +259,29 @@ def read_sources(
                 targets.rate(name),
                 None if alignments is None else in_phones(alignments[name], phones)[0],
                 None if audio is None else Sound(StoredSamples(audio, name), audio.rate(name)),
+                parameters=StoredParameters(targets, name) if faces else None,
+                id=name,
             )
     return found
+
+
+@dataclass(frozen=True)
+class Sources:
+    """Some utterances of all shards, read anew each time that they are gone through.
+
+    Parameters
+    ----------
+    alignments : tables of the shards; empty where no alignment is needed
+    targets, ids, audio, faces : see :func:`read_sources`
+    """
+
+    alignments: Sequence[str | Path]
+    targets: object
+    ids: Collection[str]
+    audio: object = None
+    faces: bool = False
+
+    def __iter__(self) -> Iterator[Source]:
+        # Without an alignment, one pass over all shards.
+        for path in self.alignments or [None]:
+            yield from read_sources(path, self.targets, self.ids, audio=self.audio, faces=self.faces).values()

@@ -41,6 +41,7 @@ class PhoneTrack:
 
     kind: ClassVar[str] = "phone_track"
     settings: ClassVar[type | None] = PhoneTrackSettings
+    segmental: ClassVar[bool] = True
     stored: ClassVar[FileLayout] = FileLayout(plain={"phones": PHONES, "states": {"enum": ["none", "aligned"]}})
 
     phones: tuple[str, ...]

@@ -13,7 +13,7 @@ from visualspeech.features.streams import Stream
 from visualspeech.models.block_states import BLOCK_ARRAYS, BLOCKS, pack, unpack
 from visualspeech.models.hmm.mge import refine
 from visualspeech.models.hmm.model import ARRAYS, PLAIN, Hmm, HmmSettings
-from visualspeech.models.hmm.segments import PhoneTrack
+from visualspeech.models.hmm.segments import Factor, PhoneTrack
 from visualspeech.models.hmm.training import fit_monophones, fit_tied
 from visualspeech.models.task import Fitted, Task, check_examples, check_streams
 from visualspeech.storage.layouts import RATE, TEXT, FileLayout
@@ -53,7 +53,7 @@ class HmmModel:
             There is no frame, or the stream does not fit the block.
         """
         check_streams(streams, self.blocks)
-        return self.hmm.predict(track_of(streams[0], _divisions(self.blocks)), frames, rate)
+        return self.hmm.predict(track_of(streams[0], *columns_of(self.blocks)), frames, rate)
 
     def save(self, path: str | Path) -> None:
         """Write it as one safetensors file."""
@@ -63,33 +63,41 @@ class HmmModel:
         write_model(path, {**arrays, **own}, {**settings, "coding": self.coding})
 
 
-def track_of(stream: Stream, divisions: int = 1) -> PhoneTrack:
-    """The phones of an utterance; the phone itself is in the middle column of its context.
+def track_of(stream: Stream, divisions: int = 1, factors: tuple[Factor, ...] = ()) -> PhoneTrack:
+    """The phones of an utterance; the phone itself is in the middle one of the columns that hold phones.
 
     Parameters
     ----------
     divisions : rows of each phone; if there are several, the last column holds their number
+    factors : columns of numbers that follow those of the phones
     """
-    columns = stream.index.shape[1] - (divisions > 1)
-    return PhoneTrack(stream.index.astype(np.int64), stream.starts, (columns - 1) // 2, divisions)
+    columns = stream.index.shape[1] - len(factors) - (divisions > 1)
+    return PhoneTrack(stream.index.astype(np.int64), stream.starts, (columns - 1) // 2, divisions, factors)
 
 
 class Tracks(Sequence):
     """Utterances as HMMs with these input blocks are trained on them: (phone track, values (T, N), rate in Hz)."""
 
     def __init__(self, examples: Sequence[Example], blocks: Mapping[str, Block]) -> None:
-        self._examples, self._divisions = examples, _divisions(blocks)
+        self._examples, self._columns = examples, columns_of(blocks)
 
     def __len__(self) -> int:
         return len(self._examples)
 
     def __getitem__(self, number: int) -> tuple[PhoneTrack, np.ndarray, float]:
         streams, target, rate = self._examples[number]
-        return track_of(streams[0], self._divisions), target, rate
+        return track_of(streams[0], *self._columns), target, rate
 
 
-def _divisions(blocks: Mapping[str, Block]) -> int:
-    return next(iter(blocks.values())).divisions
+def columns_of(blocks: Mapping[str, Block]) -> tuple[int, tuple[Factor, ...]]:
+    """Divisions of a phone and factors of the one block that HMMs read: what its columns hold beside phones."""
+    block = next(iter(blocks.values()))
+    return block.divisions, tuple(Factor(*one) for one in getattr(block, "factors", ()))
+
+
+def symbols_of(block: Block) -> tuple[str, ...]:
+    """The phones that the columns of a segmental block number: its inventory, or more than that."""
+    return tuple(getattr(block, "symbols", block.phones))
 
 
 def fit(task: Task) -> Fitted:
@@ -103,11 +111,13 @@ def fit(task: Task) -> Fitted:
     row, settings = task.row, HmmSettings(**task.row.settings, seed=task.row.seed)
     blocks = list(task.blocks.values())
     if len(blocks) != 1 or not blocks[0].layout.segmental:
-        raise DataError(f"`models.{row.name}.reads` must name one segmental block, of kind phone_track.")
+        raise DataError(
+            f"`models.{row.name}.reads` must name one segmental block, of kind phone_track or full_context."
+        )
     check_examples(task.training, task.blocks, "training")
     training, validation = (Tracks(part, task.blocks) for part in (task.training, task.validation))
     if settings.variant == "monophone":
-        hmm = fit_monophones(training, blocks[0].phones, settings)
+        hmm = fit_monophones(training, symbols_of(blocks[0]), settings)
     else:
         if not task.parents:
             raise DataError(f"`models.{row.name}` is of the variant {settings.variant} and needs `from`.")
@@ -126,14 +136,13 @@ def restore(arrays: Mapping[str, np.ndarray], settings: Mapping, path: str | Pat
     check_model(arrays, settings, path, "phone HMMs", ["model"], LAYOUT, FAMILY)
     blocks = unpack(arrays, settings["blocks"], path)
     hmm = Hmm.restore(arrays, settings["hmm"], path)
-    columns, centre, divisions = hmm.tying.layout
-    wanted = (len(hmm.phones),) * columns + ((divisions,) if divisions > 1 else ())
+    layout = hmm.tying.layout
+    read = layout.sizes(len(hmm.phones)), (layout.divisions, layout.factors), hmm.phones
     fits = [
-        block.layout.segmental
-        and (block.layout.sizes, block.divisions, tuple(block.phones)) == (wanted, divisions, hmm.phones)
-        for block in blocks.values()
+        block.layout.segmental and (block.layout.sizes, columns_of({name: block}), symbols_of(block)) == read
+        for name, block in blocks.items()
     ]
-    if fits != [True] or centre != (columns - 1) // 2:
+    if fits != [True] or layout.centre != (layout.columns - 1) // 2:
         raise DamagedFile(path, "its phones are not those of its input block")
     return HmmModel(hmm, blocks, settings["rate"], settings["coding"])
 

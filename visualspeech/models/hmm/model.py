@@ -10,18 +10,18 @@ from visualspeech.errors import DamagedFile, DataError
 from visualspeech.features.resampling import at_times, back_from_means, back_from_times, resample
 from visualspeech.fields import MAX_SEED, Settings, restored, setting
 from visualspeech.models.hmm.chains import timed_states
-from visualspeech.models.hmm.segments import PhoneTrack, layout_text
+from visualspeech.models.hmm.segments import ContextLayout, Factor, PhoneTrack, layout_text
 from visualspeech.models.hmm.statistics import Gaussians
 from visualspeech.models.hmm.tying import Tying
 from visualspeech.models.trajectory.generation import Trajectory, check_generation, generate, step_of
-from visualspeech.storage.layouts import PHONES, Array
+from visualspeech.storage.layouts import PHONES, TEXT, Array
 from visualspeech.storage.models import part_of
 from visualspeech.timing import frame_times, frames_in
 
 
 @dataclass(frozen=True)
 class HmmSettings(Settings):
-    """Phone HMMs: monophone, tied-state triphone and MGE-trained (Fan 2015, section 5.3, Table 3).
+    """Phone HMMs: monophone, tied-state and MGE-trained (Fan 2015, section 5.3, Table 3; Thangthai 2016, section 5.2).
 
     The paper gives each phone five states. A phone hardly lasts longer than a frame of video, so streams are resampled
     to a higher rate.
@@ -32,6 +32,12 @@ class HmmSettings(Settings):
         "monophone",
         "Stage of training: monophone, tied (tied states of phones in context), mge (minimum generation error).",
         choices=("monophone", "tied", "mge"),
+    )
+    durations: str = setting(
+        "geometric",
+        "Durations of states in training: geometric (HMM, self-transition probabilities) or gaussian (hidden "
+        "semi-Markov model: a Gaussian per state, as in generation).",
+        choices=("geometric", "gaussian"),
     )
     states: int = setting(5, "Number of states per phone, left to right.", minimum=1, maximum=20)
     rate: float = setting(100.0, "Frame rate of the HMMs in Hz; streams are resampled to it.", minimum=1, maximum=1000)
@@ -45,13 +51,16 @@ class HmmSettings(Settings):
     )
     monophone_iterations: int = setting(2, "Baum-Welch iterations of the monophone HMMs.", minimum=0, maximum=1000)
     untied_iterations: int = setting(
-        1, "Baum-Welch iterations of the triphone HMMs before their states are tied.", minimum=1, maximum=1000
+        1,
+        "Baum-Welch iterations of the HMMs of phones in context before their states are tied.",
+        minimum=1,
+        maximum=1000,
     )
-    tied_iterations: int = setting(3, "Baum-Welch iterations of the tied-state triphone HMMs.", minimum=0, maximum=1000)
+    tied_iterations: int = setting(3, "Baum-Welch iterations of the tied-state HMMs.", minimum=0, maximum=1000)
     map_tau: float = setting(
         10.0,
-        "Weight tau of the MAP estimate of untied triphone Gaussians: number of frames that the monophone's Gaussian "
-        "counts for.",
+        "Weight tau of the MAP estimate of untied Gaussians of phones in context: number of frames that the "
+        "monophone's Gaussian counts for.",
         minimum=0,
         maximum=1_000_000,
     )
@@ -64,7 +73,7 @@ class HmmSettings(Settings):
     )
     min_frames: float = setting(
         5.0,
-        "Minimum occupancy of a tied Gaussian, in frames of the video.",
+        "Minimum occupancy of a tied Gaussian, in frames at the rate of the system.",
         minimum=1,
         maximum=1_000_000,
     )
@@ -119,7 +128,7 @@ class Hmm:
     phones : inventory that the indices refer to, K entries
     tying : from a phone in context and a state to a Gaussian
     gaussians : distributions of the states
-    self_transition : (K, S) self-transition probabilities; used by training only
+    self_transition : (K, S) self-transition probabilities; used by training with geometric durations only
     about : how the HMMs were trained, for people; ``history`` is a list of (stage, round, figure, value)
     """
 
@@ -161,9 +170,12 @@ class Hmm:
                 f"the phone contexts of the utterance have {layout_text(track.layout)}; those of the HMMs have "
                 f"{layout_text(self.tying.layout)}."
             )
-        phones = track.contexts[:, : track.columns]
-        if phones.min() < 0 or phones.max() >= len(self.phones):
+        sizes = np.array(track.layout.sizes(len(self.phones)))
+        outside = ((track.contexts < 0) | (track.contexts >= sizes)).any(axis=0)
+        if outside[: track.columns].any():
             raise DataError(f"the utterance has phones that are not among the {len(self.phones)} phones of the HMMs.")
+        if outside.any():
+            raise DataError("the utterance has positions or numbers of units that are larger than those of the HMMs.")
         values = self.trajectory(self.states_at(track, frames, rate)).values
         return self.read(values, frames, rate).astype(np.float32)
 
@@ -194,12 +206,15 @@ class Hmm:
         """The HMMs as arrays and plain data, see :meth:`restore`."""
         arrays = {"self_transition": self.self_transition}
         for part in ("tying", "gaussians"):
-            own = {name: values for name, values in vars(getattr(self, part)).items() if np.ndim(values)}
+            own = {name: one for name, one in vars(getattr(self, part)).items() if isinstance(one, np.ndarray)}
             arrays |= {f"{part}.{name}": values for name, values in own.items()}
         plain = {
             "settings": asdict(self.settings),
             "phones": list(self.phones),
-            "contexts": dict(zip(("columns", "centre", "divisions"), self.tying.layout, strict=True)),
+            "contexts": {
+                **self.tying.layout._asdict(),
+                "factors": [factor._asdict() for factor in self.tying.factors],
+            },
             "about": dict(self.about),
         }
         return arrays, plain
@@ -213,12 +228,15 @@ class Hmm:
         StorageError
             The settings, the trees or the Gaussians do not fit each other.
         """
+        contexts = plain["contexts"]
+        layout = ContextLayout(
+            **{name: int(contexts[name]) for name in ("columns", "centre", "divisions")},
+            factors=tuple(Factor(one["name"], int(one["values"])) for one in contexts["factors"]),
+        )
         hmm = Hmm(
             settings=restored(HmmSettings, plain["settings"], path),
             phones=tuple(plain["phones"]),
-            tying=Tying(
-                **part_of(arrays, "tying"), **{name: int(number) for name, number in plain["contexts"].items()}
-            ),
+            tying=Tying(**part_of(arrays, "tying"), **layout._asdict()),
             gaussians=Gaussians(**part_of(arrays, "gaussians")),
             self_transition=arrays["self_transition"],
             about=plain["about"],
@@ -227,12 +245,12 @@ class Hmm:
         return hmm
 
 
-#: K phones, S states, Q nodes of trees, M Gaussians of N parameters.
+#: K phones, V values of a column of contexts at most, S states, Q nodes of trees, M Gaussians of N parameters.
 ARRAYS = {
     "self_transition": Array("f", ("K", "S"), 0, 1),
     "tying.roots": Array("i", ("S", "K")),
     "tying.positions": Array("i", ("Q?",), 0),
-    "tying.members": Array("b", ("Q?", "K")),
+    "tying.members": Array("b", ("Q?", "V")),
     "tying.branches": Array("i", ("Q?", 2)),
     "gaussians.mean": Array("f", ("M", "3N"), -1e9, 1e9),
     "gaussians.variance": Array("f", ("M", "3N"), 1e-15),
@@ -248,12 +266,22 @@ PLAIN = {
         "phones": PHONES,
         "contexts": {
             "type": "object",
-            "required": ["columns", "centre", "divisions"],
+            "required": ["columns", "centre", "divisions", "factors"],
             "additionalProperties": False,
             "properties": {
                 "columns": {"type": "integer", "minimum": 1, "maximum": 99},
                 "centre": {"type": "integer", "minimum": 0, "maximum": 98},
                 "divisions": {"type": "integer", "minimum": 1, "maximum": 99},
+                "factors": {
+                    "type": "array",
+                    "maxItems": 200,
+                    "items": {
+                        "type": "object",
+                        "required": ["name", "values"],
+                        "additionalProperties": False,
+                        "properties": {"name": TEXT, "values": {"type": "integer", "minimum": 1, "maximum": 1000}},
+                    },
+                },
             },
         },
         "about": {"type": "object"},
@@ -267,11 +295,14 @@ def _check(path, hmm: Hmm) -> None:
     nodes = len(tying.positions)
     if len(hmm.phones) != tying.roots.shape[1] or hmm.settings.states != tying.roots.shape[0]:
         raise DamagedFile(path, "its phones or states are not those of its trees")
+    if tying.members.shape[1] != max(tying.layout.sizes(len(hmm.phones))[: tying.columns + len(tying.factors)]):
+        raise DamagedFile(path, "the questions of its trees are not about its phones and numbers")
     if hmm.settings.states % tying.divisions:
         raise DamagedFile(path, "its states cannot be shared out over the divisions of a phone")
     targets = np.concatenate([tying.roots.ravel(), tying.branches.ravel()])
     # A branch leads on to a later node, so every way through a tree ends.
     onward = (tying.branches < 0) | (tying.branches > np.arange(nodes)[:, None])
-    if targets.min() < -count or targets.max() >= nodes or not onward.all() or (tying.positions >= tying.columns).any():
+    asked = tying.positions < tying.columns + len(tying.factors)
+    if targets.min() < -count or targets.max() >= nodes or not onward.all() or not asked.all():
         raise DamagedFile(path, "its trees lead to no Gaussian")
     check_generation(path, hmm.gaussians.variance, hmm.settings.step)

@@ -1,22 +1,24 @@
-"""Phonetic questions that decision trees ask about a phone and its neighbours."""
+"""Questions that decision trees ask about a phone, its neighbours, and its place in the utterance."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
+from visualspeech.models.hmm.segments import Factor
 from visualspeech.speech.phone_classes import PHONE_CLASSES
 
 
 @dataclass(frozen=True)
 class Questions:
-    """Yes-no questions: is the phone in a column of the context a member of a set?
+    """Yes-no questions: is the phone, or the number, in a column of the context a member of a set?
 
     Parameters
     ----------
     positions : (Q,) column of the context
-    members : (Q, K) bool, phones of the inventory for which the answer is yes
-    names : (Q,) names such as ``right bilabial``, for people
+    members : (Q, V) bool, phones of the inventory, or numbers, for which the answer is yes; V is the largest number of
+        values of a column
+    names : (Q,) names such as ``right bilabial`` or ``syllables in word at most 2``, for people
     """
 
     positions: np.ndarray
@@ -25,7 +27,15 @@ class Questions:
 
     def answers(self, contexts: np.ndarray) -> np.ndarray:
         """(Q, M) bool for contexts (M, C)."""
-        return self.members[np.arange(len(self.positions))[:, None], contexts[:, self.positions].T]
+        result = np.empty((len(self.positions), len(contexts)), bool)
+        for column in np.unique(self.positions):
+            asked = self.positions == column
+            result[asked] = self.members[asked][:, contexts[:, column]]
+        return result
+
+    def subset(self, chosen: np.ndarray) -> "Questions":
+        """The questions of some numbers, in their order."""
+        return Questions(self.positions[chosen], self.members[chosen], tuple(self.names[number] for number in chosen))
 
 
 def position_names(columns: int, centre: int) -> list[str]:
@@ -57,15 +67,37 @@ def phone_sets(phones: Sequence[str]) -> dict[str, np.ndarray]:
     return result
 
 
-def questions(phones: Sequence[str], columns: int = 3, centre: int = 1) -> Questions:
-    """Questions about every set of an inventory in every column of a context; the defaults are those of triphones.
+def number_sets(values: int) -> dict[str, np.ndarray]:
+    """Sets of the numbers 0, ..., ``values`` - 1 by name, (values,) bool each: at most k, and k alone.
+
+    A set that asks the same as an earlier one, or its opposite, is left out.
+    """
+    numbers = np.arange(values)
+    at_most = {f"at most {k}": numbers <= k for k in range(values - 1)}
+    return at_most | {f"equal to {k}": numbers == k for k in range(1, values - 1)}
+
+
+def questions(phones: Sequence[str], columns: int = 3, centre: int = 1, factors: Sequence[Factor] = ()) -> Questions:
+    """Questions about every set of an inventory in every column of a context, and about the numbers of every factor.
 
     Parameters
     ----------
     phones : inventory, K entries
-    columns, centre : layout of the contexts, see :func:`position_names`
+    columns, centre : layout of the contexts, see :func:`position_names`; the defaults are those of triphones
+    factors : columns of numbers that follow those of the phones
     """
-    sets = phone_sets(phones)
-    names = [f"{position} {name}" for position in position_names(columns, centre) for name in sets]
-    members = np.tile(np.array(list(sets.values())).reshape(len(sets), len(phones)), (columns, 1))
-    return Questions(np.repeat(np.arange(columns), len(sets)), members, tuple(names))
+    sets, width = phone_sets(phones), max([len(phones), *(factor.values for factor in factors)])
+    asked = [
+        (column, f"{position} {name}", members)
+        for column, position in enumerate(position_names(columns, centre))
+        for name, members in sets.items()
+    ]
+    asked += [
+        (columns + number, f"{factor.name} {name}", members)
+        for number, factor in enumerate(factors)
+        for name, members in number_sets(factor.values).items()
+    ]
+    members = np.zeros((len(asked), width), bool)
+    for row, (_, _, chosen) in zip(members, asked, strict=True):
+        row[: len(chosen)] = chosen
+    return Questions(np.array([column for column, _, _ in asked], int), members, tuple(name for _, name, _ in asked))

@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -11,17 +12,48 @@ from visualspeech.speech.alignment import Alignment, starts_of
 from visualspeech.timing import frame_times, interval_of_frame
 
 
+class Factor(NamedTuple):
+    """A column of numbers beside the phones of a context, such as a position in the word: 0, ..., ``values`` - 1."""
+
+    name: str
+    values: int
+
+
+class ContextLayout(NamedTuple):
+    """The columns of contexts: phones, factors, and the number of the division, where phones are divided.
+
+    Parameters
+    ----------
+    columns : number of columns that hold phones, the first ones
+    centre : column of the phone itself
+    divisions : of each phone; if there are several, the last column holds their number
+    factors : columns that follow those of the phones
+    """
+
+    columns: int
+    centre: int
+    divisions: int = 1
+    factors: tuple[Factor, ...] = ()
+
+    def sizes(self, phones: int) -> tuple[int, ...]:
+        """Number of values of every column, with an inventory of ``phones`` phones."""
+        factors = tuple(factor.values for factor in self.factors)
+        return (phones,) * self.columns + factors + ((self.divisions,) if self.divisions > 1 else ())
+
+
 @dataclass(frozen=True)
 class PhoneTrack:
     """The phones of an utterance in time, or divisions of them whose times are known, such as acoustic states.
 
     Parameters
     ----------
-    contexts : (P, C) int, each phone with its neighbours as indices of the inventory: C = 3 for triphones, 5 for
-        quinphones. Where phones are divided, a row is a division, and a further last column holds its number
+    contexts : (P, C) int, each phone with its neighbours as indices of the inventory: 3 columns for triphones, 5 for
+        quinphones; then a column for each factor. Where phones are divided, a row is a division, and a further last
+        column holds its number
     starts : (P,) seconds, ascending; a row ends where the next one starts
     centre : column of the phone itself in ``contexts``
     divisions : number D of divisions of each phone; 1: rows are phones
+    factors : columns of numbers beside the phones
 
     Raises
     ------
@@ -33,6 +65,7 @@ class PhoneTrack:
     starts: np.ndarray
     centre: int
     divisions: int = 1
+    factors: tuple[Factor, ...] = ()
 
     def __post_init__(self) -> None:
         shape = np.shape(self.contexts)
@@ -45,12 +78,12 @@ class PhoneTrack:
     @property
     def columns(self) -> int:
         """Number of columns of the contexts that hold phones."""
-        return self.contexts.shape[1] - (self.divisions > 1)
+        return self.contexts.shape[1] - len(self.factors) - (self.divisions > 1)
 
     @property
-    def layout(self) -> tuple[int, int, int]:
-        """Number of columns that hold phones, the column of the phone itself, and the number of divisions."""
-        return self.columns, self.centre, self.divisions
+    def layout(self) -> ContextLayout:
+        """What the columns of the contexts hold."""
+        return ContextLayout(self.columns, self.centre, self.divisions, self.factors)
 
     def runs(self, frames: int, rate: float) -> tuple[np.ndarray, np.ndarray]:
         """Contexts (Q, C) and lengths (Q,) of the runs of frames that share a row.
@@ -63,11 +96,11 @@ class PhoneTrack:
         return self.contexts[phones], lengths
 
 
-def layout_text(layout: tuple[int, int, int]) -> str:
+def layout_text(layout: ContextLayout) -> str:
     """A layout of phone contexts for messages."""
-    columns, centre, divisions = layout
-    divided = f", phones divided in {divisions}" if divisions > 1 else ""
-    return f"{columns} columns, the phone in column {centre}{divided}"
+    divided = f", phones divided in {layout.divisions}" if layout.divisions > 1 else ""
+    factors = f", {len(layout.factors)} factors beside the phones" if layout.factors else ""
+    return f"{layout.columns} columns, the phone in column {layout.centre}{factors}{divided}"
 
 
 #: An utterance that HMMs are trained on: its phones, values (T, N), and their frame rate in Hz.

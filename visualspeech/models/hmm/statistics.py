@@ -8,11 +8,13 @@ import numpy as np
 from visualspeech.features.resampling import resample
 from visualspeech.models.hmm.chains import even_states, expected_states
 from visualspeech.models.hmm.segments import Example
+from visualspeech.models.hmm.semi_markov import expected_durations
 from visualspeech.models.hmm.tying import units
 from visualspeech.models.trajectory.windows import observations
 
 #: Bounds of the self-transition probability of a state.
 SELF_TRANSITION = (0.02, 0.995)
+_TOGETHER = 16  # utterances that HSMMs pass at once
 
 
 @dataclass(frozen=True)
@@ -53,7 +55,8 @@ class Statistics:
     occupancy : (M,) expected frames of each Gaussian
     first, second : (M, D) sums of observations and of their squares
     visits : (M,) phones that have the Gaussian
-    durations, squared_durations : (M,) sums over these phones of the expected frames, and of their squares
+    durations, squared_durations : (M,) sums over these phones of the expected frames, and of their squares: with
+        geometric durations the squares of what is expected, with Gaussian ones what is expected of the squares
     long_frames, long_phones : (K, S) expected frames and number of phones, of phones with at least as many frames as
         states
     log_likelihood : of all frames; 0 where phones are divided evenly
@@ -117,6 +120,14 @@ def prepare(example: Example, rate: float, step: int) -> Utterance:
     return Utterance(observations(values, step), contexts, lengths, units(contexts, track.centre, track.divisions))
 
 
+def _joined(utterances: Sequence[Utterance]) -> Utterance:
+    """Several utterances, one after the other."""
+    if len(utterances) == 1:
+        return utterances[0]
+    names = Utterance.__dataclass_fields__
+    return Utterance(**{name: np.concatenate([getattr(one, name) for one in utterances]) for name in names})
+
+
 def accumulate(
     examples: Sequence[Example],
     find: Callable[[np.ndarray], np.ndarray],
@@ -125,6 +136,7 @@ def accumulate(
     self_transition: np.ndarray,
     rate: float,
     step: int,
+    durations: str = "geometric",
 ) -> Statistics:
     """One pass over training utterances: the expectation step of Baum-Welch with known phone boundaries.
 
@@ -136,21 +148,30 @@ def accumulate(
     gaussians : of the last iteration; None divides every phone evenly among its states
     self_transition : (K, S) self-transition probabilities of the states of each unit: phone, or division of a phone
     rate, step : frame rate of the models in Hz, and the step of their windows in frames
+    durations : of the states: ``geometric``, from the self-transition probabilities, or ``gaussian``, explicit
     """
     count_of_units, states = self_transition.shape
     sums: dict[str, np.ndarray] = {}
     likelihood, frames = 0.0, 0
-    for number in range(len(examples)):
-        one = prepare(examples[number], rate, step)
-        chosen = find(one.contexts)
+    explicit = durations == "gaussian"
+    # Phones of one length are passed together; in several utterances there are more of them.
+    together = _TOGETHER if explicit else 1
+    for begin in range(0, len(examples), together):
+        batch = range(begin, min(begin + together, len(examples)))
+        one = _joined([prepare(examples[number], rate, step) for number in batch])
+        chosen, squares = find(one.contexts), None
         if gaussians is None:
             gamma = np.eye(states)[even_states(one.lengths, states)]
         else:
             density = gaussians.log_density(one.observed, np.repeat(chosen, one.lengths, axis=0))
-            gamma, each = expected_states(density, one.lengths, self_transition[one.units])
+            if explicit:
+                lasting = gaussians.duration_mean[chosen], gaussians.duration_variance[chosen]
+                gamma, squares, each = expected_durations(density, one.lengths, *lasting)
+            else:
+                gamma, each = expected_states(density, one.lengths, self_transition[one.units])
             likelihood += each
         frames += len(one.observed)
-        for name, where, values in _sums(one, chosen, gamma, states):
+        for name, where, values in _sums(one, chosen, gamma, squares, states):
             if name not in sums:
                 size = (count_of_units, states) if name.startswith("long") else (count,)
                 sums[name] = np.zeros((*size, *values.shape[1:]))
@@ -158,24 +179,26 @@ def accumulate(
     return Statistics(**sums, log_likelihood=likelihood, frames=frames)
 
 
-def _sums(one: Utterance, chosen: np.ndarray, gamma: np.ndarray, states: int) -> Iterator[tuple]:
+def _sums(
+    one: Utterance, chosen: np.ndarray, gamma: np.ndarray, squares: np.ndarray | None, states: int
+) -> Iterator[tuple]:
     """Contributions of an utterance: (name of the sum, indices, values)."""
     starts = np.cumsum(one.lengths) - one.lengths
     spent = np.add.reduceat(gamma, starts, axis=0)
     where = chosen.ravel()
     first = np.empty((*chosen.shape, one.observed.shape[1]))
     second = np.empty_like(first)
-    squares = one.observed**2
+    observed_squares = one.observed**2
     for phone, (start, length) in enumerate(zip(starts, one.lengths, strict=True)):
         weight = gamma[start : start + length].T
         first[phone] = weight @ one.observed[start : start + length]
-        second[phone] = weight @ squares[start : start + length]
+        second[phone] = weight @ observed_squares[start : start + length]
     yield "occupancy", where, spent.ravel()
     yield "first", where, first.reshape(len(where), -1)
     yield "second", where, second.reshape(len(where), -1)
     yield "visits", where, np.ones(len(where))
     yield "durations", where, spent.ravel()
-    yield "squared_durations", where, (spent**2).ravel()
+    yield "squared_durations", where, (spent**2 if squares is None else squares).ravel()
     long = one.lengths >= states
     cell = (np.repeat(one.units[long], states), np.tile(np.arange(states), long.sum()))
     yield "long_frames", cell, spent[long].ravel()

@@ -9,7 +9,7 @@ from visualspeech.errors import DataError
 from visualspeech.jobs import log
 from visualspeech.models.hmm.model import Hmm, HmmSettings
 from visualspeech.models.hmm.questions import questions
-from visualspeech.models.hmm.segments import Example, layout_text
+from visualspeech.models.hmm.segments import ContextLayout, Example, layout_text
 from visualspeech.models.hmm.statistics import Gaussians, Statistics, accumulate
 from visualspeech.models.hmm.tying import Cases, grow, monophones
 
@@ -32,15 +32,15 @@ def fit_monophones(training: Sequence[Example], phones: Sequence[str], settings:
     settings = settings or HmmSettings()
     if not len(training):
         raise DataError("there is no training utterance to train HMMs on. Add recordings, or change `split`.")
-    columns, centre, divisions = _layout(training)
-    if settings.states % divisions:
+    layout = _layout(training)
+    if settings.states % layout.divisions:
         raise DataError(
-            f"`states: {settings.states}` of the HMMs must be a multiple of {divisions}, the number of acoustic states "
-            "whose times the input block gives."
+            f"`states: {settings.states}` of the HMMs must be a multiple of {layout.divisions}, the number of acoustic "
+            "states whose times the input block gives."
         )
-    tying = monophones(len(phones), settings.states, columns, centre, divisions)
-    self_transition = np.full((len(phones) * divisions, tying.unit_states), 0.5)
-    first = accumulate(training, tying.find, tying.gaussians, None, self_transition, settings.rate, settings.step)
+    tying = monophones(len(phones), settings.states, layout)
+    self_transition = np.full((len(phones) * layout.divisions, tying.unit_states), 0.5)
+    first = accumulate(training, tying.find, tying.gaussians, None, self_transition, *_rates(settings))
     overall, floor = _overall(first, settings)
     if not np.isfinite(overall.mean).all():
         raise DataError(
@@ -72,25 +72,27 @@ def fit_tied(monophone: Hmm, training: Sequence[Example]) -> Hmm:
         The layouts of the phone contexts differ among the utterances, or from those of the monophone HMMs.
     """
     settings, count = monophone.settings, len(monophone.phones)
-    columns, centre, divisions = _layout(training)
-    if monophone.tying.layout != (columns, centre, divisions):
+    layout = _layout(training)
+    if monophone.tying.layout != layout:
         raise DataError(
             f"the monophone HMMs were trained on phone contexts of {layout_text(monophone.tying.layout)}; those of the "
-            f"utterances have {layout_text((columns, centre, divisions))}. Train the monophone HMMs again."
+            f"utterances have {layout_text(layout)}. Train the monophone HMMs again."
         )
     each = monophone.tying.unit_states
     untied = _Untied(_contexts(training), each)
     parent = monophone.tying.find(untied.contexts).ravel()
     prior = monophone.gaussians.at(parent)
     gaussians, self_transition, floor = prior, monophone.self_transition.reshape(-1, each), None
-    for _ in range(settings.untied_iterations):
-        sums = accumulate(training, untied.find, len(parent), gaussians, self_transition, settings.rate, settings.step)
+    for remaining in reversed(range(settings.untied_iterations)):
+        sums = accumulate(training, untied.find, len(parent), gaussians, self_transition, *_rates(settings))
         floor = _overall(sums, settings)[1] if floor is None else floor
-        gaussians, self_transition = sums.gaussians(floor, prior, settings.map_tau), sums.self_transition()
+        self_transition = sums.self_transition()
+        if remaining:  # the trees grow on the statistics of the last iteration
+            gaussians = sums.gaussians(floor, prior, settings.map_tau)
     log.info("%d phone contexts, %d Gaussians before tying", len(untied.contexts), len(parent))
-    # Frames between those of the video carry no information: each counts as the share of a video frame that it is.
+    # Frames between those of the targets carry no information: each counts as the share of one of theirs that it is.
     weight = min(training[0][2] / settings.rate, 1.0)
-    first = untied.contexts[:, -1] * each if divisions > 1 else np.zeros(len(untied.contexts), int)
+    first = untied.contexts[:, -1] * each if layout.divisions > 1 else np.zeros(len(untied.contexts), int)
     cases = Cases(
         np.repeat(untied.contexts, each, axis=0),
         (first[:, None] + np.arange(each)).ravel(),
@@ -98,15 +100,16 @@ def fit_tied(monophone: Hmm, training: Sequence[Example]) -> Hmm:
     )
     tying = grow(
         cases,
-        questions(monophone.phones, columns, centre),
+        questions(monophone.phones, layout.columns, layout.centre, layout.factors),
         count,
         settings.states,
-        centre,
+        layout.centre,
         floor,
         settings.min_frames,
         settings.mdl_factor,
         settings.tree_per_phone,
-        divisions,
+        layout.divisions,
+        layout.factors,
     )
     log.info("%d Gaussians after tying", tying.gaussians)
     start = _pooled(sums, tying.find(untied.contexts).ravel(), tying.gaussians).gaussians(
@@ -139,13 +142,18 @@ def baum_welch(
     """
     history, floor = [], None
     for iteration in range(1, iterations + 1):
-        sums = accumulate(training, find, len(gaussians.mean), gaussians, self_transition, settings.rate, settings.step)
+        sums = accumulate(training, find, len(gaussians.mean), gaussians, self_transition, *_rates(settings))
         floor = _overall(sums, settings)[1] if floor is None else floor
         gaussians, self_transition = sums.gaussians(floor, gaussians), sums.self_transition()
         mean = sums.log_likelihood / sums.frames
         log.info("%s iteration %d of %d: log-likelihood %.4f per frame", stage, iteration, iterations, mean)
         history.append([stage, iteration, "log_likelihood", mean])
     return gaussians, self_transition, history
+
+
+def _rates(settings: HmmSettings) -> tuple[float, int, str]:
+    """What :func:`accumulate` needs of the settings."""
+    return settings.rate, settings.step, settings.durations
 
 
 class _Untied:
@@ -168,7 +176,7 @@ class _Untied:
         return rows[:, None] * self._states + np.arange(self._states)
 
 
-def _layout(training: Sequence[Example]) -> tuple[int, int, int]:
+def _layout(training: Sequence[Example]) -> ContextLayout:
     """Layout of the phone contexts of all utterances, see :attr:`PhoneTrack.layout`."""
     layouts = {training[number][0].layout for number in range(len(training))}
     if len(layouts) != 1:

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from visualspeech.models.hmm.questions import Questions
+from visualspeech.models.hmm.segments import ContextLayout, Factor
 
 
 @dataclass(frozen=True)
@@ -17,12 +18,13 @@ class Tying:
     ----------
     roots : (S, K) node or leaf at which state s of phone k starts
     positions : (nodes,) column of the context that a node asks about
-    members : (nodes, K) bool, phones for which the answer is yes
+    members : (nodes, V) bool, phones or numbers for which the answer is yes
     branches : (nodes, 2) node or leaf after no and after yes
     columns : number of columns C of a context that hold phones
     centre : column of the phone itself
     divisions : number D of divisions of a phone, each with S / D of its states; a further last column of the contexts
         holds the number of the division. 1: phones are not divided
+    factors : columns of numbers that follow those of the phones
     """
 
     roots: np.ndarray
@@ -32,11 +34,12 @@ class Tying:
     columns: int
     centre: int
     divisions: int = 1
+    factors: tuple[Factor, ...] = ()
 
     @property
-    def layout(self) -> tuple[int, int, int]:
+    def layout(self) -> ContextLayout:
         """As :attr:`visualspeech.models.hmm.segments.PhoneTrack.layout`."""
-        return self.columns, self.centre, self.divisions
+        return ContextLayout(self.columns, self.centre, self.divisions, self.factors)
 
     @property
     def unit_states(self) -> int:
@@ -66,11 +69,12 @@ def units(contexts: np.ndarray, centre: int, divisions: int) -> np.ndarray:
     return contexts[:, centre] if divisions == 1 else contexts[:, centre] * divisions + contexts[:, -1]
 
 
-def monophones(phones: int, states: int, columns: int = 3, centre: int = 1, divisions: int = 1) -> Tying:
-    """One Gaussian for each state of each phone, the same in every context; layout as in :class:`Tying`."""
+def monophones(phones: int, states: int, layout: ContextLayout = ContextLayout(3, 1)) -> Tying:  # noqa: B008
+    """One Gaussian for each state of each phone, the same in every context; the default layout is that of triphones."""
     roots = -1 - np.arange(phones * states).reshape(phones, states).T
-    nodes = np.zeros(0, int), np.zeros((0, phones), bool), np.zeros((0, 2), int)
-    return Tying(roots, *nodes, columns, centre, divisions)
+    width = max(layout.sizes(phones)[: layout.columns + len(layout.factors)])
+    nodes = np.zeros(0, int), np.zeros((0, width), bool), np.zeros((0, 2), int)
+    return Tying(roots, *nodes, *layout)
 
 
 @dataclass(frozen=True)
@@ -79,7 +83,7 @@ class Cases:
 
     Parameters
     ----------
-    contexts : (M, C) phone indices
+    contexts : (M, C) phone indices and numbers
     states : (M,) number of the state in its phone
     occupancy : (M,) expected frames
     first, second : (M, D) sums over frames of the observation and of its square
@@ -123,6 +127,7 @@ def grow(
     mdl: float = 1.0,
     of_each_phone: bool = False,
     divisions: int = 1,
+    factors: tuple[Factor, ...] = (),
 ) -> Tying:
     """Decision trees that tie the states of phones in context (Odell 1995); each split maximises the likelihood.
 
@@ -140,21 +145,24 @@ def grow(
     mdl : weight of the description length; 1: as published, less: more Gaussians
     of_each_phone : one tree for each state of each phone, else one for each state of all phones together
     divisions : of the phones, whose number the last column of the contexts then holds
+    factors : columns of the contexts that follow those of the phones
     """
     nodes: list[tuple[int, np.ndarray, list[int]]] = []
     leaves = 0
     roots = np.zeros((states, phones), int)
 
-    def split(part: Cases, cost: float) -> int:
+    def split(part: Cases, asked: Questions, cost: float) -> int:
         nonlocal leaves
-        best = _best_split(part, questions, floor, min_frames)
-        if best is None or best[0] <= cost:
+        asked, answers = _able(part, asked, min_frames)
+        gain = _gains(part, answers, floor) if len(answers) else np.array([-np.inf])
+        best = int(np.argmax(gain))
+        if gain[best] <= cost:
             leaves += 1
             return -leaves
-        _, question, yes = best
-        node, branch = len(nodes), [0, 0]
-        nodes.append((int(questions.positions[question]), questions.members[question], branch))
-        branch[0], branch[1] = split(part.subset(~yes), cost), split(part.subset(yes), cost)
+        yes, node, branch = answers[best].copy(), len(nodes), [0, 0]
+        nodes.append((int(asked.positions[best]), asked.members[best], branch))
+        del answers
+        branch[0], branch[1] = split(part.subset(~yes), asked, cost), split(part.subset(yes), asked, cost)
         return node
 
     for state in range(states):
@@ -163,33 +171,38 @@ def grow(
             if of_each_phone:
                 here = here & (cases.contexts[:, centre] == phone)
             part = cases.subset(here)
-            roots[state, phone] = split(part, mdl * len(floor) * np.log(max(part.occupancy.sum(), np.e)))
+            roots[state, phone] = split(part, questions, mdl * len(floor) * np.log(max(part.occupancy.sum(), np.e)))
     return Tying(
         roots,
         np.array([node[0] for node in nodes], int),
-        np.array([node[1] for node in nodes], bool).reshape(len(nodes), phones),
+        np.array([node[1] for node in nodes], bool).reshape(len(nodes), questions.members.shape[1]),
         np.array([node[2] for node in nodes], int).reshape(len(nodes), 2),
-        cases.contexts.shape[1] - (divisions > 1),
+        cases.contexts.shape[1] - len(factors) - (divisions > 1),
         centre,
         divisions,
+        factors,
     )
 
 
-def _best_split(part: Cases, questions: Questions, floor: np.ndarray, min_frames: float):
-    """(gain in log-likelihood, question, cases with yes) of the best split; None where no split has enough frames."""
+def _able(part: Cases, questions: Questions, min_frames: float) -> tuple[Questions, np.ndarray]:
+    """The questions that split the cases of a node into parts of enough frames, and their answers (Q, M).
+
+    What is left out here splits no part of these cases better: its parts are smaller still, or it splits them as the
+    first of the questions that split all of them alike, or the other way round.
+    """
     answers = questions.answers(part.contexts)
-    total = part.occupancy.sum()
     held = answers @ part.occupancy
-    able = np.flatnonzero((held >= min_frames) & (total - held >= min_frames))
-    if not len(able):
-        return None
-    # Of questions that split these cases in the same way, only the first is tried.
-    _, first = np.unique(np.packbits(answers[able], axis=1), axis=0, return_index=True)
+    able = np.flatnonzero((held >= min_frames) & (part.occupancy.sum() - held >= min_frames))
+    alike = answers[able] ^ answers[able, :1]
+    _, first = np.unique(np.packbits(alike, axis=1), axis=0, return_index=True)
     able = able[np.sort(first)]
-    chosen = answers[able].astype(float)
-    sums = (part.occupancy, part.first, part.second)
-    masks = (chosen, 1 - chosen, np.ones(len(part.occupancy)))
-    yes, no, together = (log_likelihood(*(mask @ values for values in sums), floor) for mask in masks)
-    gain = yes + no - together
-    best = int(np.argmax(gain))
-    return float(gain[best]), int(able[best]), answers[able[best]]
+    return questions.subset(able), answers[able]
+
+
+def _gains(part: Cases, answers: np.ndarray, floor: np.ndarray) -> np.ndarray:
+    """Gain in log-likelihood (Q,) of the splits of the cases of a node by answers (Q, M)."""
+    whole, chosen = (part.occupancy, part.first, part.second), answers.astype(float)
+    yes = [chosen @ values for values in whole]
+    whole = [values.sum(axis=0) for values in whole]
+    no = [values - held for values, held in zip(whole, yes, strict=True)]
+    return sum(log_likelihood(*sums, floor) for sums in (yes, no)) - log_likelihood(*whole, floor)

@@ -1,12 +1,12 @@
 """Networks that predict static, delta and delta-delta parameters: their targets, and the trajectory of their outputs.
 
 The outputs of a frame are the means of 3N Gaussians whose variances are the same in all frames (Zen et al. 2013, 2.3).
-The variances are those of the errors of the outputs. Tokuda's likelihood asks for the spread of what is recorded about
-the mean, which these errors are; the variances of the targets themselves, which are often taken, would trust an output
-that the network cannot predict as much as one that it can.
+By default the variances are those of the errors of the outputs. Tokuda's likelihood asks for the spread of what is
+recorded about the mean, which these errors are; the variances of the targets themselves, which are often taken, trust
+an output that the network cannot predict as much as one that it can.
 """
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -42,10 +42,28 @@ class Mlpg:
         return generate(means.astype(np.float64), precisions, step_of(self.delta_step, rate)).values
 
 
-def error_variance(errors: Sequence[np.ndarray]) -> np.ndarray:
+def error_variance(errors: Iterable[np.ndarray]) -> np.ndarray:
     """Mean squares (3N,) float32 of the errors (T, 3N) of utterances, none too small to generate a trajectory."""
-    squares = sum(np.square(one, dtype=np.float64).sum(axis=0) for one in errors) / sum(map(len, errors))
-    parts = squares.reshape(len(WINDOWS), -1)
+    return _bounded(_moments(errors)[1])
+
+
+def target_variance(targets: Iterable[np.ndarray]) -> np.ndarray:
+    """Variances (3N,) float32 of the targets (T, 3N) of utterances, none too small to generate a trajectory."""
+    mean, squares = _moments(targets)
+    return _bounded(np.maximum(squares - mean**2, 0))
+
+
+def _moments(utterances: Iterable[np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
+    """Means and mean squares (3N,) of the values (T, 3N) of utterances, over all frames."""
+    total, squares, frames = 0.0, 0.0, 0
+    for one in utterances:
+        total, frames = total + one.sum(axis=0, dtype=np.float64), frames + len(one)
+        squares = squares + np.square(one, dtype=np.float64).sum(axis=0)
+    return total / frames, squares / frames
+
+
+def _bounded(variance: np.ndarray) -> np.ndarray:
+    parts = variance.reshape(len(WINDOWS), -1)
     largest = parts.max(axis=0)
     return np.maximum(parts, np.where(largest > 0, _LEAST * largest, 1.0)).reshape(-1).astype(np.float32)
 

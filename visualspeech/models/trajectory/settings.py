@@ -18,6 +18,12 @@ class TrajectorySettings(Settings):
         "parameters, from which the most likely trajectory is generated).",
         choices=("none", "mlpg"),
     )
+    trajectory_variance: str = setting(
+        "errors",
+        "How `trajectory: mlpg` weights the outputs, by their inverse variances: errors (of the outputs on training "
+        "utterances), targets (of the training targets themselves, as Thangthai et al. 2016).",
+        choices=("errors", "targets"),
+    )
     delta_step: float = setting(
         0.04,
         "Time between the taps of the delta windows with `trajectory: mlpg`, in seconds; at least one frame.",

@@ -3,14 +3,16 @@ import pytest
 
 from tests.unit.face.aam.faces import POINTS, moving_faces, smooth_picture
 from visualspeech.errors import DataError, SettingError, StorageError
+from visualspeech.evaluation.viseme_pictures import mean_gestures, viseme_pictures
 from visualspeech.face.aam.model import Aam, AamSettings, fit
-from visualspeech.face.aam.modes import mode_pictures
+from visualspeech.face.aam.modes import face_pictures, mode_pictures
 from visualspeech.face.aam.reference import ReferenceSettings, fit_reference
 from visualspeech.face.aam.rows import ArrayRows
 from visualspeech.face.aam.training import fit_aam
 from visualspeech.face.coding import load_coding, read_coding_header
 from visualspeech.face.drift import Faces, remove
 from visualspeech.face.point_sets import to_points, to_vector
+from visualspeech.features.visemes.classes import VisemeClasses
 from visualspeech.storage.arrays import ArrayReader, ArrayWriter
 from visualspeech.storage.models import write_model
 
@@ -244,3 +246,21 @@ def test_pictures_of_modes_differ_on_both_sides_of_the_mean(aam, reference, kind
         mode_pictures(aam, reference, "shape", 99)
     with pytest.raises(SettingError, match="no kind"):
         mode_pictures(aam, reference, "colour", 0)
+
+
+def test_pictures_of_faces_are_those_of_the_modes(aam, reference):
+    parameters = np.zeros((3, len(aam.appearance_components)))
+    parameters[:, 0] = np.array([-2, 0, 2]) * np.sqrt(aam.appearance_variances[0])
+    modes = mode_pictures(aam, reference, "appearance", 0, width=90)
+    for one, other in zip(face_pictures(aam, reference, parameters, width=90), modes, strict=True):
+        assert one.shape == other.shape and np.abs(one.astype(int) - other).max() <= 2
+
+
+def test_faces_of_the_most_frequent_visemes(aam, reference):
+    means = np.random.default_rng(1).normal(size=(20, 8, len(aam.appearance_components))) * 0.3
+    classes = VisemeClasses((means * np.sqrt(aam.appearance_variances)).astype(np.float32), np.arange(20))
+    shown = mean_gestures(classes)
+    assert [number for number, _, _ in shown[:3]] == [19, 18, 17] and shown[0][1] == 19 / sum(range(20))
+    assert sum(share for _, share, _ in shown) == pytest.approx(1) and np.array_equal(shown[0][2], classes.means[19])
+    png = viseme_pictures(classes, aam, reference, count=4)
+    assert png.startswith(b"\x89PNG") and png == viseme_pictures(classes, aam, reference, count=4)

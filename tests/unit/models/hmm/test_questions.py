@@ -1,7 +1,8 @@
 import numpy as np
 import pytest
 
-from visualspeech.models.hmm.questions import phone_sets, position_names, questions
+from visualspeech.models.hmm.questions import number_sets, phone_sets, position_names, questions
+from visualspeech.models.hmm.segments import Factor
 from visualspeech.speech.phones import CLASSES, PHONES
 
 
@@ -53,3 +54,25 @@ def test_quinphones_are_asked_about_their_outer_phones():
     answer = dict(zip(asked.names, asked.answers(np.array([[2, 0, 1, 0, 3], [0, 2, 1, 3, 0]])).tolist(), strict=True))
     assert answer["left 2 bilabial"] == [True, False] and answer["left bilabial"] == [False, True]
     assert answer["right 2 nasal"] == [True, False] and answer["right nasal"] == [False, True]
+
+
+@pytest.mark.parametrize(("values", "count"), [(1, 0), (2, 1), (3, 3), (21, 39)])
+def test_numbers_are_asked_for_up_to_each_and_for_each_alone(values, count):
+    sets = number_sets(values)
+    assert len(sets) == count and all(0 < members.sum() < values for members in sets.values())
+    splits = {min(bytes(members), bytes(~members)) for members in sets.values()}
+    assert len(splits) == count
+    every = {min(bytes(asked), bytes(~asked)) for k in range(values) for asked in (np.arange(values) <= k,)}
+    every |= {min(bytes(asked), bytes(~asked)) for k in range(values) for asked in (np.arange(values) == k,)}
+    assert every - splits <= {bytes(values)}
+
+
+def test_factors_are_asked_about_in_their_own_columns():
+    asked = questions(("sil", "aa", "b"), 3, 1, (Factor("words in phrase", 5), Factor("syllable in word", 2)))
+    contexts = np.array([[0, 1, 2, 3, 1], [2, 1, 0, 4, 0]])
+    answer = dict(zip(asked.names, asked.answers(contexts).tolist(), strict=True))
+    for name in ("at most 3", "equal to 3"):
+        assert answer[f"words in phrase {name}"] == [True, False]
+    assert answer["words in phrase at most 2"] == [False, False]
+    assert answer["syllable in word at most 0"] == [False, True] and "syllable in word equal to 1" not in answer
+    assert asked.members.shape == (len(asked.names), 5) and answer["current vowel"] == [True, True]

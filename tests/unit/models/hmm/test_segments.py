@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 from visualspeech.errors import DataError
-from visualspeech.models.hmm.segments import PhoneTrack, layout_text, phone_track
+from visualspeech.models.hmm.segments import ContextLayout, PhoneTrack, layout_text, phone_track
 from visualspeech.speech.spoken import timed
 
 PHONES = ("sil", "aa", "b")
@@ -13,13 +13,13 @@ def test_neighbours_and_starts():
     track = phone_track(ALIGNMENT, PHONES)
     assert track.contexts.tolist() == [[0, 2, 1], [2, 1, 0], [1, 0, 0]]
     assert track.starts.tolist() == [0.0, 0.1, 0.25]
-    assert track.layout == (3, 1, 1)
+    assert track.layout == ContextLayout(3, 1)
 
 
 def test_neighbours_on_either_side():
     track = phone_track(ALIGNMENT, PHONES, before=2, after=1)
     assert track.contexts.tolist() == [[0, 0, 2, 1], [0, 2, 1, 0], [2, 1, 0, 0]]
-    assert track.layout == (4, 2, 1)
+    assert track.layout == ContextLayout(4, 2)
 
 
 def test_runs_leave_out_a_phone_between_two_frames():
@@ -33,7 +33,7 @@ def test_runs_leave_out_a_phone_between_two_frames():
 def test_divisions_of_phones_are_rows():
     contexts = np.array([[0, 2, 1, 0], [0, 2, 1, 1], [2, 1, 0, 0], [2, 1, 0, 1]])
     track = PhoneTrack(contexts, np.array([0.0, 0.03, 0.05, 0.09]), 1, 2)
-    assert track.layout == (3, 1, 2) and track.columns == 3
+    assert track.layout == ContextLayout(3, 1, 2) and track.columns == 3
     found, lengths = track.runs(12, 100.0)
     assert found.tolist() == contexts.tolist() and lengths.tolist() == [3, 2, 4, 3]
     assert layout_text(track.layout) == "3 columns, the phone in column 1, phones divided in 2"

@@ -10,7 +10,7 @@ from visualspeech.features.resampling import resample
 from visualspeech.models.hmm.chains import even_states
 from visualspeech.models.hmm.mge import refine
 from visualspeech.models.hmm.model import Hmm, HmmSettings
-from visualspeech.models.hmm.segments import PhoneTrack
+from visualspeech.models.hmm.segments import ContextLayout, PhoneTrack
 from visualspeech.models.hmm.statistics import Gaussians, accumulate, prepare
 from visualspeech.models.hmm.training import fit_monophones, fit_tied
 from visualspeech.models.hmm.tying import monophones
@@ -220,7 +220,7 @@ def test_quinphones_train_tie_and_predict(tmp_path):
     given = {"far": 0.6, "noise": 0.1}
     narrow, wide, test = utterances(60, **given), utterances(60, neighbours=2, **given), utterances(10, 7, **given)
     hmm = fit_tied(fit_monophones(wide, PHONES, SMALL), wide)
-    assert hmm.tying.layout == (5, 2, 1) and 4 in hmm.tying.positions
+    assert hmm.tying.layout == ContextLayout(5, 2) and 4 in hmm.tying.positions
     beyond = utterances(10, 7, neighbours=2, **given)
     triphone = fit_tied(fit_monophones(narrow, PHONES, SMALL), narrow)
     assert error(hmm, beyond) < 0.9 * error(triphone, test)
@@ -228,7 +228,7 @@ def test_quinphones_train_tie_and_predict(tmp_path):
     again = kept(hmm, tmp_path / "hmm.safetensors")
     assert np.array_equal(again.predict(track, len(values), rate), hmm.predict(track, len(values), rate))
     refined = refine(replace(hmm, settings=replace(SMALL, mge_epochs=1)), wide[:8], beyond)
-    assert refined.tying.layout == (5, 2, 1) and error(refined, beyond) <= error(hmm, beyond)
+    assert refined.tying.layout == ContextLayout(5, 2) and error(refined, beyond) <= error(hmm, beyond)
 
 
 def test_contexts_too_wide_to_number_as_digits():

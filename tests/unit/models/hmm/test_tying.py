@@ -2,6 +2,7 @@ import numpy as np
 import pytest
 
 from visualspeech.models.hmm.questions import questions
+from visualspeech.models.hmm.segments import ContextLayout, Factor
 from visualspeech.models.hmm.tying import Cases, grow, log_likelihood, monophones
 
 PHONES = ("sil", "aa", "b", "iy", "m")
@@ -117,7 +118,7 @@ def test_columns_that_never_change_leave_the_trees_as_they_are(of_each_phone):
     wide = np.column_stack([np.full(len(triphones), 3), triphones, np.full(len(triphones), 1)])
     narrow = grow(cases_of(triphones, frames), questions(PHONES), 5, 1, 1, FLOOR, 5, 0.3, of_each_phone)
     found = grow(cases_of(wide, frames), questions(PHONES, 5, 2), 5, 1, 2, FLOOR, 5, 0.3, of_each_phone)
-    assert narrow.gaussians > 4 and found.layout == (5, 2, 1)
+    assert narrow.gaussians > 4 and found.layout == ContextLayout(5, 2)
     assert np.array_equal(found.positions, narrow.positions + 1)
     for name in ("roots", "members", "branches"):
         assert np.array_equal(getattr(found, name), getattr(narrow, name))
@@ -146,8 +147,26 @@ def test_divisions_of_phones_have_their_share_of_the_states(states, divisions):
     divided = Cases(numbered, together.states, together.occupancy, together.first, together.second)
     expected = grow(together, questions(PHONES), 5, states, 1, FLOOR, 5, 0.3)
     found = grow(divided, questions(PHONES), 5, states, 1, FLOOR, 5, 0.3, divisions=divisions)
-    assert found.layout == (3, 1, divisions) and found.unit_states == each and found.gaussians > states
+    assert found.layout == ContextLayout(3, 1, divisions) and found.unit_states == each and found.gaussians > states
     for division in range(divisions):
         rows = np.column_stack([triphones, np.full(len(triphones), division)])
         own = slice(division * each, (division + 1) * each)
         assert np.array_equal(found.find(rows), expected.find(triphones)[:, own])
+
+
+@pytest.mark.parametrize(("mdl", "least"), [(1.0, 5), (0.2, 10), (0.01, 5)])
+def test_trees_with_factors_against_brute_force(mdl, least):
+    """Numbers of more values than there are phones: what they decide is asked, and the phones too."""
+    generator = np.random.default_rng(6)
+    contexts = np.column_stack([generator.integers(0, len(PHONES), (60, 3)), generator.integers(0, 9, (60, 2))])
+    contexts = np.unique(contexts, axis=0)
+    centre = np.stack([2.0 * (contexts[:, 1] == 1), 3.0 * (contexts[:, 3] > 6)], axis=1)
+    frames = [generator.normal(mean, 0.5, size=(generator.integers(5, 12), 2)) for mean in centre]
+    factors = Factor("words", 9), Factor("syllables", 9)
+    asked = questions(PHONES, 3, 1, factors)
+    tying = grow(cases_of(contexts, frames), asked, len(PHONES), 1, 1, FLOOR, least, mdl, factors=factors)
+    expected = plain_tree(contexts, frames, asked, least, mdl * 2 * np.log(sum(map(len, frames))))
+    found = tying.find(contexts)[:, 0]
+    leaves = [sorted(map(tuple, contexts[found == leaf].tolist())) for leaf in range(tying.gaussians)]
+    assert sorted(leaves) == sorted(expected) and tying.layout == ContextLayout(3, 1, 1, factors)
+    assert {1, 3} <= set(tying.positions.tolist()) and (mdl < 1 or tying.gaussians == 3)

@@ -1,0 +1,1 @@
+"""Dynamic visemes: gestures of the visible articulators, their classes, and their prediction from text."""

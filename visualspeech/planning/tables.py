@@ -1,0 +1,92 @@
+"""The tables of a system: the rows that their settings name."""
+
+from collections.abc import Mapping, Sequence
+
+from visualspeech.models.rows import ModelRow
+from visualspeech.schema import unknown
+
+#: Names of tables that a selection cannot have.
+TABLES = ("objective", "topologies", "comparisons", "articulation", "resting", "gains", "ablation", "preference")
+
+
+def table_mistakes(tables: Mapping, known: Sequence[str], where: str) -> list[str]:
+    """What is wrong with the models that tables name, a sentence for each mistake.
+
+    Parameters
+    ----------
+    tables : settings of the tables of a system, defaults filled in
+    known : entries of its models, and rows
+    where : place of ``tables`` in the settings, for messages
+    """
+    selections = {name: one for name, one in tables["selections"].items() if one is not None}
+    named = {
+        "topologies": tables["topologies"],
+        **{f"gains.{name}": names for name, names in tables["gains"].items()},
+        **{f"ablation.rows.{name}": names or () for name, names in tables["ablation"]["rows"].items()},
+        **{f"selections.{name}.rows": one["rows"] for name, one in selections.items()},
+    }
+    found = [
+        unknown(f"{where}.{key}.{number}", name, known, "entry of `models` and no row")
+        for key, names in named.items()
+        for number, name in enumerate(names)
+        if name not in known
+    ]
+    found += [
+        unknown(f"{where}.selections.{name}.reference", one["reference"], one["rows"], "row of this table")
+        for name, one in selections.items()
+        if one["reference"] and one["reference"] not in one["rows"]
+    ]
+    found += [
+        f"`{where}.selections.{name}`: {name} is the name of another table; give this one another."
+        for name in selections
+        if name in TABLES
+    ]
+    columns = len(tables["ablation"]["columns"])
+    return found + [
+        f"`{where}.ablation.rows.{name}` names {len(names)} models; it must name one for each of the {columns} "
+        "`columns`, of which there must be two at least."
+        for name, names in tables["ablation"]["rows"].items()
+        if names is not None and (len(names) != columns or columns < 2)
+    ]
+
+
+def resolved_tables(tables: Mapping, rows: Sequence[ModelRow]) -> dict:
+    """Settings of tables that name rows in place of entries of ``models``."""
+    return {
+        **tables,
+        "topologies": rows_of_entries(tables["topologies"], rows),
+        "gains": {key: rows_of_entries(names, rows) for key, names in tables["gains"].items()},
+        "ablation": {**tables["ablation"], "rows": _ablation(tables["ablation"], rows)},
+        "selections": {name: _selection(one, rows) for name, one in tables["selections"].items() if one is not None},
+    }
+
+
+def _selection(selection: Mapping, rows: Sequence[ModelRow]) -> dict:
+    """A table of chosen rows, whose reference is the cell that its rows are pooled to."""
+    cells = {row.name: row.cell or row.name for row in rows}
+    reference = next(iter(rows_of_entries(filter(None, [selection["reference"]]), rows)), "")
+    return {**selection, "rows": rows_of_entries(selection["rows"], rows), "reference": cells.get(reference, "")}
+
+
+def rows_of_entries(names: Sequence[str], rows: Sequence[ModelRow]) -> list[str]:
+    """Names of the rows that entries of ``models`` ask for; an entry that the system leaves out asks for none."""
+    return [row.name for name in names for row in rows if name in (row.group, row.name)]
+
+
+def _ablation(ablation: Mapping, rows: Sequence[ModelRow]) -> dict[str, list[str]]:
+    """Heading -> cell of the model in each column, of the rows of the ablation table whose models the system has.
+
+    Of entries with several models, those with equal settings are compared; each such row is named after its models.
+    """
+    result = {}
+    for heading, names in ablation["rows"].items():
+        found = [
+            list({row.cell: row for row in rows if name in (row.group, row.name)}.values()) for name in names or ()
+        ]
+        alone = all(len(models) == 1 for models in found)
+        for first in found[0] if found else ():
+            equal = [[row.cell for row in models if alone or row.settings == first.settings] for models in found]
+            if all(len(cells) == 1 for cells in equal):
+                cells = [cell for (cell,) in equal]
+                result[heading if len(found[0]) == 1 else f"{heading}: {' / '.join(cells)}"] = cells
+    return result
