@@ -2,10 +2,10 @@
 
 import shutil
 
+import pandas
 import pytest
 
 from tests.workflow.running import of_system, overlay, snakemake
-from visualspeech.storage.tables import read_table
 
 pytestmark = pytest.mark.xdist_group("workflow")
 
@@ -37,7 +37,7 @@ def test_its_tables_say_what_rows_know_and_what_the_paper_prints(run):
     units = (folder / "units.md").read_text()
     assert "Oracle rows: oracle DV DNN, phone + oracle DV DNN." in units
     assert "Predicted visemes are a function of the phones" in units and "10.82 ± 2.13" in units
-    frame = read_table(folder / "units.tsv", ("source", "row", "metric", "mean", "deviation", "difference"))
+    frame = pandas.read_csv(folder / "units.tsv", sep="\t", comment="#")
     ours = frame[(frame["source"] == "run") & (frame["metric"] == "corr_first5")]
     assert list(ours["row"])[:2] == ["hsmm", "phone"] and set(frame["source"]) == {"run", "published"}
     assert "9.39 ± 2.23" in (folder / "frame_features.md").read_text()
@@ -64,7 +64,7 @@ def test_the_number_of_visemes_is_a_target_of_its_own(run):
         "classes": [4, 9]}), name="numbers.yaml")  # fmt: skip
     done = snakemake(folder, "viseme_numbers", configfiles=few)
     assert done.returncode == 0, done.stdout[-4000:]
-    table = read_table(folder / "results/tiny/thangthai2016/tables/viseme_numbers.tsv", ("id",))
+    table = pandas.read_csv(folder / "results/tiny/thangthai2016/tables/viseme_numbers.tsv", sep="\t", comment="#")
     assert sorted(set(table["classes"])) == [4, 9]
     many = overlay(files[1].parent, {"systems": ["thangthai2016"]}, of_system("thangthai2016", viseme_numbers={
         "classes": [9999]}), name="many.yaml")  # fmt: skip
@@ -72,7 +72,8 @@ def test_the_number_of_visemes_is_a_target_of_its_own(run):
     assert refused.returncode != 0 and "`classes: 9999` asks for more classes of dynamic visemes" in refused.stdout
     assert "Traceback" not in refused.stdout
     without = snakemake(folder, "--dry-run", "viseme_numbers")
-    assert without.returncode != 0 and "no selected system has an input block of kind dynamic_visemes" in without.stdout
+    assert without.returncode != 0 and "Traceback" not in without.stdout
+    assert "no selected system has an input block of kind dynamic_visemes" in without.stdout
 
 
 def test_it_speaks_with_predicted_visemes(run):
@@ -81,7 +82,7 @@ def test_it_speaks_with_predicted_visemes(run):
         "speak": {"system": "thangthai2016", "sentences": ["Nine blue boats."]}}, name="speak.yaml")  # fmt: skip
     done = snakemake(folder, "speak", configfiles=changed)
     assert done.returncode == 0, done.stdout[-4000:]
-    assert [path.name for path in (folder / "results/tiny/thangthai2016/spoken").glob("*.mp4")] == ["1.mp4"]
+    assert [path.name for path in (folder / "results/tiny/thangthai2016/spoken").glob("*.mp4")] == ["001.mp4"]
     told = overlay(files[1].parent, {"systems": ["fan2015", "thangthai2016"]}, {
         "speak": {"system": "thangthai2016", "model": "phone_dv_oracle"}}, name="oracle.yaml")  # fmt: skip
     refused = snakemake(folder, "--dry-run", "speak", configfiles=told)

@@ -39,6 +39,12 @@ def hold_corpora():
     settle_sigterm()
 
 
+def refuse(sentence):
+    """End the planning of a target that cannot be made. What an input function raises is shown with a traceback, unless
+    it is an exit of the program."""
+    raise SystemExit(sentence)
+
+
 def one_of(names):
     """Regular expression of the given names."""
     return "|".join(dict.fromkeys(map(re.escape, names))) or "(?!)"

@@ -66,7 +66,7 @@ def check_speakers():
     """Refuse to make a speaker of a system whose models all read the recorded face."""
     for _, system, model in SPEAKERS:
         if not model:
-            raise WorkflowError(
+            refuse(
                 f"every model of {system} reads dynamic visemes of the recording (`source: oracle`), and new text has "
                 "none; add a model with predicted ones, or name another system in `speak.system`."
             )

@@ -28,5 +28,5 @@ def viseme_number_tables(wildcards):
     pattern = plain("<system>/tables/viseme_numbers.tsv")
     found = [pattern.format(corpus=corpus, system=system) for corpus, system in PLAN.pairs if numbered_block(system)]
     if not found:
-        raise WorkflowError("no selected system has an input block of kind dynamic_visemes; select one that has.")
+        refuse("no selected system has an input block of kind dynamic_visemes; select one that has.")
     return found
