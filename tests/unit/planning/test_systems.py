@@ -328,7 +328,7 @@ def test_tables_of_chosen_rows_name_rows_and_their_reference():
     plain = resolved({"systems": ["thangthai2016"]})["systems"]["thangthai2016"]
     units, layers = plain["tables"]["selections"]["units"], plain["tables"]["selections"]["layers"]
     assert (
-        units["rows"][:2] == ["hsmm", "phone"]
+        units["rows"][:3] == ["hsmm", "hsmm_mge", "phone"]
         and units["reference"] == "phone"
         and units["rows"][-1] == "training_mean"
     )
