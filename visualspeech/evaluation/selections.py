@@ -173,8 +173,8 @@ def _with_intervals(
                 text = "" if own else shown(line.difference, digits)
                 cells.append(Cell(text, "" if own else _interval(low, high, digits), best=not own and excludes))
         rows.append(Row(row.title, tuple(cells), row.role))
-    difference = (f"minus {reference}",) if reference else ()
-    marked = f"A difference to {reference} is paired over utterances, and bold if its interval excludes 0."
+    difference = ("difference",) if reference else ()
+    marked = f"Differences are to “{reference}”, paired over utterances, and bold if their interval excludes 0."
     return Table(
         f"{title}: figures of the corpus",
         tuple(heading for metric in metrics for heading in (metric.heading, *difference)),
