@@ -147,10 +147,10 @@ def test_nothing_left_to_run_is_refused():
 
 def test_a_corpus_without_any_system_is_dropped(grid):
     both = {"name": "both", "adapter": "grid", "root": str(grid)}
-    plan = planned({"corpora": ["demo", both]})
+    plan = planned({"systems": ["fan2015"], "corpora": ["demo", both]})
     assert list(plan.corpora) == ["demo"] and plan.pairs == (("demo", "fan2015"),)
     assert plan.skipped[0].startswith("fan2015 is skipped on both: it needs recordings of one speaker (select one with")
-    one = planned({"corpora": ["demo", {**both, "speaker": "s2"}]})
+    one = planned({"systems": ["fan2015"], "corpora": ["demo", {**both, "speaker": "s2"}]})
     assert one.pairs == (("demo", "fan2015"), ("both", "fan2015"))
     assert list(one.corpora["both"].speakers) == ["s2"]
     with pytest.raises(CorpusError, match="no recordings of the speaker 's3'"):
