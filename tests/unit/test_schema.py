@@ -468,7 +468,7 @@ def selected(changes):
         ("systems: ", "`systems` is empty and must be a list, a text or lines of `key: value`"),
         (
             "systems: fan2016",
-            r"`systems: fan2016` is not known. Did you mean `fan2015`\? Known: fan2015, fan2015_50hz, sound_driven, thangthai2016. Or",
+            r"`systems: fan2016` is not known. Did you mean `fan2015`\? Known: fan2015, fan2015_50hz, ",
         ),
         ("systems: [fan2015, fan2016]", r"`systems.1: fan2016` is not known. Did you mean `fan2015`\?"),
         (
