@@ -57,6 +57,9 @@ include: "workflow/rules/report.smk"
 
 onstart:
     hold_corpora()
+    # Snakemake limits the jobs of a second, and for that looks for new jobs a second after each start of one, and again a
+    # second after that, without end: after some hundred jobs this fills a good part of a core.
+    workflow.scheduler.job_rate_limiter = None
 
 
 localrules:
