@@ -74,10 +74,17 @@ class Figures:
 
 
 def start(folder: Path) -> subprocess.Popen:
-    """A run of everything in a session of its own, whose output is in ``output.txt``."""
+    """A run of everything in a session of its own, whose output is in ``output.txt``.
+
+    It answers SIGINT also where a shell has started the tests in the background, which ignores that signal for them.
+    """
     with open(folder / "output.txt", "w") as output:
         return subprocess.Popen(
-            command(folder, "all", cores=2), stdout=output, stderr=subprocess.STDOUT, start_new_session=True
+            command(folder, "all", cores=2),
+            stdout=output,
+            stderr=subprocess.STDOUT,
+            start_new_session=True,
+            preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),
         )
 
 
