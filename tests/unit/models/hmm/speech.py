@@ -36,3 +36,16 @@ def utterances(number, seed=0, width=2, phones=8, noise=0.15, rate=25.0, neighbo
         contexts = quinphones[:, 2 - neighbours : 3 + neighbours]
         result.append((PhoneTrack(contexts, starts, neighbours), values.astype(np.float32), rate))
     return tuple(result)
+
+
+TRAINING, TEST = utterances(30), utterances(10, seed=7)
+
+
+def error(hmm, examples=TEST) -> float:
+    """Mean squared error of what the HMMs generate for utterances."""
+    return np.mean([np.mean((hmm.predict(track, len(seen), rate) - seen) ** 2) for track, seen, rate in examples])
+
+
+def likelihoods(hmm, stage: str) -> list[float]:
+    """Log-likelihood of each iteration of a stage of training."""
+    return [value for name, _, figure, value in hmm.about["history"] if (name, figure) == (stage, "log_likelihood")]

@@ -8,7 +8,7 @@ import pytest
 from scipy.stats import norm
 
 from tests.unit.models.examples import task
-from tests.unit.models.hmm.speech import PHONES, utterances
+from tests.unit.models.hmm.speech import PHONES, TEST, TRAINING, error, likelihoods, utterances
 from tests.unit.speech.test_structure import utterance
 from visualspeech.errors import DataError, StorageError
 from visualspeech.features.blocks.base import Source
@@ -27,7 +27,6 @@ from visualspeech.models.trajectory.windows import observations
 from visualspeech.storage.models import read_model, write_model
 
 SMALL = HmmSettings(durations="gaussian", states=3, rate=50.0, min_frames=4, mdl_factor=0.5)
-TRAINING, TEST = utterances(30), utterances(10, seed=7)
 
 
 @pytest.fixture(scope="module")
@@ -38,14 +37,6 @@ def monophone():
 @pytest.fixture(scope="module")
 def tied(monophone):
     return fit_tied(monophone, TRAINING)
-
-
-def error(hmm, examples=TEST):
-    return np.mean([np.mean((hmm.predict(track, len(seen), rate) - seen) ** 2) for track, seen, rate in examples])
-
-
-def likelihoods(hmm, stage):
-    return [value for name, _, figure, value in hmm.about["history"] if (name, figure) == (stage, "log_likelihood")]
 
 
 @pytest.mark.parametrize("stage", ["monophone", "tied"])

@@ -4,7 +4,7 @@ from itertools import combinations
 import numpy as np
 import pytest
 
-from tests.unit.models.hmm.speech import PHONES, utterances
+from tests.unit.models.hmm.speech import PHONES, TEST, TRAINING, error, likelihoods, utterances
 from visualspeech.errors import DataError, SettingError
 from visualspeech.features.resampling import resample
 from visualspeech.models.hmm.chains import even_states
@@ -18,7 +18,6 @@ from visualspeech.speech.phones import PHONES as PHONE_SET
 from visualspeech.storage.models import read_model, write_model
 
 SMALL = HmmSettings(states=3, rate=50.0, min_frames=4, mdl_factor=0.5)
-TRAINING, TEST = utterances(30), utterances(10, seed=7)
 
 
 @pytest.fixture(scope="module")
@@ -29,14 +28,6 @@ def monophone():
 @pytest.fixture(scope="module")
 def tied(monophone):
     return fit_tied(monophone, TRAINING)
-
-
-def error(hmm, examples=TEST):
-    return np.mean([np.mean((hmm.predict(track, len(seen), rate) - seen) ** 2) for track, seen, rate in examples])
-
-
-def likelihoods(hmm, stage):
-    return [value for name, _, figure, value in hmm.about["history"] if (name, figure) == (stage, "log_likelihood")]
 
 
 @pytest.mark.parametrize("stage", ["monophone", "tied"])
