@@ -43,6 +43,7 @@ include: "workflow/rules/demo.smk"
 include: "workflow/rules/alignment.smk"
 include: "workflow/rules/landmarks.smk"
 include: "workflow/rules/pose.smk"
+include: "workflow/rules/motion.smk"
 include: "workflow/rules/coding.smk"
 include: "workflow/rules/features.smk"
 include: "workflow/rules/models.smk"
@@ -67,6 +68,7 @@ localrules:
     alignment,
     landmarks,
     pose,
+    motion,
     coding,
     features,
     models,
@@ -98,12 +100,18 @@ rule alignment:
 
 rule landmarks:
     input:
-        for_corpora("<corpus>/landmarks/{shard}.h5"),
+        for_corpora("<corpus>/landmarks/{shard}.h5", need="video"),
 
 
 rule pose:
     input:
-        for_corpora("<corpus>/pose/{shard}.h5"),
+        for_corpora("<corpus>/pose/{shard}.h5", need="video"),
+        for_corpora("<corpus>/utterances.tsv"),
+
+
+rule motion:
+    input:
+        for_corpora("<corpus>/motion/{shard}.h5", need="motion"),
         for_corpora("<corpus>/utterances.tsv"),
 
 

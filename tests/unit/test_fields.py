@@ -15,6 +15,7 @@ from visualspeech.animation.video_settings import VideoSettings
 from visualspeech.animation.walk import WalkSettings
 from visualspeech.corpora.check_settings import CheckSettings
 from visualspeech.corpora.demo.recording import DemoSettings
+from visualspeech.corpora.motion_settings import MotionSettings
 from visualspeech.errors import SettingError, StorageError
 from visualspeech.evaluation.comparisons import ComparisonSettings
 from visualspeech.evaluation.selection_settings import SelectionSettings
@@ -66,9 +67,9 @@ CLASSES = [
     AamSettings, AlignmentSettings, BootstrapSettings, CheckSettings, ComparisonSettings, DemoSettings, DnnSettings,
     DriftSettings, DynamicVisemesSettings, EnsembleSettings, FittingSettings, FullContextSettings,
     GvCompensationSettings, HmmSettings, LabelPartsSettings, LandmarkSettings, LinguisticSettings, LogMelSettings,
-    LookupSettings, PhoneClassesSettings, PhoneSettings, PhoneTrackSettings, PoseSettings, ReferenceSettings,
-    RenderSettings, ScreeningSettings, SelectionSettings, SpeakSettings, StackSettings, TableSettings, TrainingSettings,
-    TrajectorySettings, TriphoneStateSettings, VideoSettings, VisemeContextSettings, VisemeNumberSettings,
+    LookupSettings, MotionSettings, PhoneClassesSettings, PhoneSettings, PhoneTrackSettings, PoseSettings,
+    ReferenceSettings, RenderSettings, ScreeningSettings, SelectionSettings, SpeakSettings, StackSettings,
+    TableSettings, TrainingSettings, TrajectorySettings, TriphoneStateSettings, VideoSettings, VisemeContextSettings, VisemeNumberSettings,
     VoiceSettings, WalkSettings,
 ]  # fmt: skip
 HEAVY = {"av", "torch", "cv2", "dlib", "pandas", "scipy", "matplotlib", "h5py", "pocketsphinx", "jsonschema"}

@@ -30,8 +30,8 @@ from visualspeech.schema import fill_defaults, load_schema, mistakes, unknown
 from visualspeech.settings import plain_data
 
 #: Folders beside the systems' in a corpus's results; no system may have such a name.
-RESERVED = ("alignment", "audio", "benchmarks", "check", "codings", "corpus", "heads", "landmarks", "logs", "pose",
-            "recordings", "tables", "truth")  # fmt: skip
+RESERVED = ("alignment", "audio", "benchmarks", "check", "codings", "corpus", "heads", "landmarks", "logs", "motion",
+            "pose", "recordings", "tables", "truth")  # fmt: skip
 #: Keys that name files; what these say is checked with the files' own schemas.
 SELECTING = ("corpora", "systems", "override")
 KINDS = {"corpora": "corpus", "codings": "coding", "systems": "system"}

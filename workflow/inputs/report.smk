@@ -50,10 +50,11 @@ def answers_of(wildcards):
 def benchmarks_of(wildcards):
     """Benchmark files of every job that the results of a corpus come from."""
     corpus = PLAN.corpora[wildcards.corpus]
-    stages = ["check_recordings", "align_speech", "track_landmarks", "normalise_pose"]
+    faces = ["track_landmarks", "normalise_pose"] if "video" in corpus.gives else ["read_motion"]
+    stages = ["check_recordings", "align_speech", *faces]
     stages += ["record_demo"] if corpus.adapter == "demo" else []
     paths = filled("<corpus>/benchmarks/{stage}/{shard}.tsv", wildcards, stage=stages, shard=corpus.shards)
-    paths += filled("<corpus>/benchmarks/fit_head/{speaker}.tsv", wildcards, speaker=list(corpus.speakers))
+    paths += filled("<corpus>/benchmarks/fit_head/{speaker}.tsv", wildcards, speaker=speakers_with_heads(wildcards))
     for coding in PLAN.codings(wildcards.corpus):
         fitted = ["fit_faces"] if SETTINGS["codings"][coding]["source"] == "fit" else []
         sharded = ["sample_textures", *fitted, "encode_appearance"]

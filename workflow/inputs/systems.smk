@@ -119,16 +119,20 @@ def model_code(script):
     return digest
 
 
+def speakers_with_heads(wildcards):
+    """File names of the speakers whose heads are fitted: all of a corpus with video."""
+    return list(PLAN.corpora[wildcards.corpus].speakers) if gives(wildcards, "video") else []
+
+
 def heads_of(wildcards):
-    """The heads of all speakers of the corpus."""
-    return filled(
-        "<corpus>/heads/{speaker}.safetensors", wildcards, speaker=list(PLAN.corpora[wildcards.corpus].speakers)
-    )
+    """The heads of all speakers of the corpus; none where there is no video."""
+    return filled("<corpus>/heads/{speaker}.safetensors", wildcards, speaker=speakers_with_heads(wildcards))
 
 
 def findings_of(wildcards):
-    """Findings of the check and of every shard's alignment, tracking and head pose."""
-    stages = [shards(f"<corpus>/{stage}/{{shard}}.findings.tsv") for stage in ("alignment", "landmarks", "pose")]
+    """Findings of the check and of every shard's alignment, and of its tracking and head pose, or its motion capture."""
+    faces = ("landmarks", "pose") if gives(wildcards, "video") else ("motion",)
+    stages = [shards(f"<corpus>/{stage}/{{shard}}.findings.tsv") for stage in ("alignment", *faces)]
     checked = filled("<corpus>/check/findings.tsv", wildcards)
     return [*checked, *(path for stage in stages for path in stage(wildcards))]
 
