@@ -69,8 +69,8 @@ CLASSES = [
     GvCompensationSettings, HmmSettings, LabelPartsSettings, LandmarkSettings, LinguisticSettings, LogMelSettings,
     LookupSettings, MotionSettings, PhoneClassesSettings, PhoneSettings, PhoneTrackSettings, PoseSettings,
     ReferenceSettings, RenderSettings, ScreeningSettings, SelectionSettings, SpeakSettings, StackSettings,
-    TableSettings, TrainingSettings, TrajectorySettings, TriphoneStateSettings, VideoSettings, VisemeContextSettings, VisemeNumberSettings,
-    VoiceSettings, WalkSettings,
+    TableSettings, TrainingSettings, TrajectorySettings, TriphoneStateSettings, VideoSettings,
+    VisemeContextSettings, VisemeNumberSettings, VoiceSettings, WalkSettings,
 ]  # fmt: skip
 HEAVY = {"av", "torch", "cv2", "dlib", "pandas", "scipy", "matplotlib", "h5py", "pocketsphinx", "jsonschema"}
 BESIDE = {"minimum": -1, "above": 0, "maximum": 1, "below": 0}  # how far outside a bound a value is
