@@ -25,7 +25,7 @@ def iemocap(root):
     write_mocap(tree.motion(turn(1)), hidden)
     write_mocap(tree.motion(turn(2)), points[:2])
     write_mocap(tree.motion(turn(3)), points[:100])
-    silent = "Ses01M_script01_1_M000"
+    silent, unrated = "Ses01M_script01_1_M000", "Ses01M_script01_1_M006"
     tree.sound(silent).unlink()
     return {
         turn(0): "a marker is never visible: CH2",
@@ -33,7 +33,7 @@ def iemocap(root):
         turn(2): "only 2 frames of motion capture",
         turn(3): "sound and motion capture differ in length: 1.60 s of sound, 0.83 s of motion capture",
         turn(6): f"the emotion file Ses01F_impro01.txt does not hold the turn {turn(6)}",
-        "Ses01M_script01_1_M006": "the emotion file Ses01M_script01_1.txt does not hold the turn Ses01M_script01_1_M006",
+        unrated: f"the emotion file {unrated[:-5]}.txt does not hold the turn {unrated}",
         silent: f"no sound: there is no file sentences/wav/{silent[:-5]}/{silent}.wav",
     }
 

@@ -129,6 +129,12 @@ def heads_of(wildcards):
     return filled("<corpus>/heads/{speaker}.safetensors", wildcards, speaker=speakers_with_heads(wildcards))
 
 
+def recorded_faces(wildcards):
+    """The faces of every shard as they are recorded: tracked landmarks, or motion capture."""
+    stage = "landmarks" if gives(wildcards, "video") else "motion"
+    return shards(f"<corpus>/{stage}/{{shard}}.h5")(wildcards)
+
+
 def findings_of(wildcards):
     """Findings of the check and of every shard's alignment, and of its tracking and head pose, or its motion capture."""
     faces = ("landmarks", "pose") if gives(wildcards, "video") else ("motion",)
