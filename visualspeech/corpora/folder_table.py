@@ -116,8 +116,8 @@ def _lines(path: Path, text: str, delimiter: str, quoted: bool) -> Iterator[tupl
             return
         except csv.Error as error:
             raise CorpusError(
-                f"{where}: {csv_mistake(error)} (up to line {reader.line_num}). Close each quote in its cell, and write "
-                'a quote inside a quoted cell twice ("").'
+                f"{where}: {csv_mistake(error)} (up to line {reader.line_num}). Close each quote in its cell, and "
+                'write a quote inside a quoted cell twice ("").'
             ) from error
         if any(row):
             yield where, row
