@@ -1,6 +1,6 @@
 """Layouts of known sets of markers: directions of the face, roles, lines of a drawing, and controls.
 
-A layout is data, ``layouts/*.yaml``; no code knows a marker by name. Keys:
+A layout is data, ``marker_layouts/*.yaml``; no code knows a marker by name. Keys:
 
 ``dimensions`` : allowed numbers of coordinates per point
 ``axes`` : ``left``, ``up`` and, for three coordinates, ``forward``, each ``from`` and ``to``: the direction from the
@@ -24,7 +24,7 @@ import numpy as np
 from visualspeech.errors import DataError
 from visualspeech.settings import read_yaml
 
-FOLDER = Path(__file__).parent / "layouts"
+FOLDER = Path(__file__).parent / "marker_layouts"
 OPPOSITE = {"right": "left", "down": "up", "back": "forward"}
 IDENTITY = "identity"
 
