@@ -78,8 +78,6 @@ def kind_mistakes(system: Mapping, coding: Mapping) -> list[str]:
     ]
     if system["sound_model"]:
         found.append(f"`{where}.sound_model` must be empty: {no_picture(system['name'], coding)}.")
-    if system["preference"]["models"]:
-        found.append(f"`{where}.preference.models` must be empty: {no_picture(system['name'], coding)}.")
     return list(dict.fromkeys(found))
 
 
