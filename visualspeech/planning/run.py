@@ -26,6 +26,7 @@ from visualspeech.planning.systems import (
     read_named,
     read_systems,
 )  # fmt: skip
+from visualspeech.planning.tables import coding_mistakes
 from visualspeech.schema import fill_defaults, load_schema, mistakes, unknown
 from visualspeech.settings import plain_data
 
@@ -90,6 +91,12 @@ def resolve(config: Mapping, folder: Path) -> dict:
         name: collect(_complete_system, system, schemas["system"], settings["seed"]) for name, system in systems.items()
     }
     collect.found += [] if collect.found else _speak_mistakes(settings["speak"], systems)
+    if not collect.found:
+        collect.found += [
+            said
+            for name, system in systems.items()
+            for said in coding_mistakes(system["tables"], codings[system["coding"]]["kind"], f"systems.{name}.tables")
+        ]
     if collect.found:
         raise SettingError("\n".join(collect.found))
     complete = {**settings, "corpora": corpora, "systems": systems, "codings": codings}
