@@ -12,7 +12,7 @@ from visualspeech.evaluation.measured import MeasuredRows
 from visualspeech.evaluation.metrics import ABSOLUTE, CENTRED, PROTOCOLS, Metric
 from visualspeech.evaluation.published_results import Published
 from visualspeech.evaluation.region_settings import EmotionSettings
-from visualspeech.evaluation.region_table import groups_of, headings_of, regions_of, without_region
+from visualspeech.evaluation.region_table import groups_of, headings_of, knowledge_note, regions_of, without_region
 from visualspeech.evaluation.statistics import BootstrapSettings, draws, figure, sample_row
 
 MEASURES = ("ccc", "mse")
@@ -85,6 +85,7 @@ def emotion_tables(
     bootstrap: BootstrapSettings,
     paper: Published | None = None,
     digits: int = 3,
+    needs: Mapping[str, Sequence[str]] | None = None,
 ) -> tuple[Table, ...]:
     """The tables of :func:`emotion_frame`: in the absolute protocol, which is the paper's, and in the centred one.
 
@@ -93,6 +94,7 @@ def emotion_tables(
     frame, measured, emotions, settings, bootstrap : as made by and given to :func:`emotion_frame`
     facts : what the figures were computed on
     paper : whose numbers of utterances stand below the table
+    needs : input block -> what it is computed from
     """
     pooled, own = measured.pooled(), _of_test(measured, emotions)
     text = {
@@ -109,7 +111,7 @@ def emotion_tables(
         ("shown", f"emotions of {settings.min_utterances} test utterances or more"),
         ("intervals", bootstrap.text(pooled)),
     )
-    tables = []
+    tables, known = [], knowledge_note(pooled.rows, needs or {})
     for protocol, title in ((ABSOLUTE, "Emotions"), (CENTRED, "Emotions, centred")):
         grouped = regions_of(pooled, protocol, MEASURES)
         if not grouped:
@@ -122,7 +124,7 @@ def emotion_tables(
                 _rows(frame, pooled, [metric for each in grouped.values() for metric in each], text),
                 groups=groups_of(grouped),
                 facts=(*(facts if first else ()), ("protocol", PROTOCOLS[protocol])),
-                notes=_notes(frame, counts, settings, paper) if first else (),
+                notes=(*_notes(frame, counts, settings, paper), *known) if first else (),
                 definitions=definitions_of([without_region(one) for one in next(iter(grouped.values()))]),
             )
         )

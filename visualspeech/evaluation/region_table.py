@@ -24,12 +24,15 @@ from visualspeech.evaluation.measured import MeasuredRows
 from visualspeech.evaluation.metrics import ABSOLUTE, CENTRED, PROTOCOLS, REGIONAL, Metric, metric_named
 from visualspeech.evaluation.published_results import Published
 from visualspeech.evaluation.statistics import BootstrapSettings, draws, figure, sample_row
+from visualspeech.models.rows import ModelRow
 from visualspeech.models.size import parameter_count
 
 RUN, PUBLISHED = "run", "published"
 COLUMNS = ("source", "row", "nodes", "parameters", "epochs", "seconds", "metric", "value", "low", "high")
 #: Headings of measures below the name of a region.
 SHORT = {"ccc": "CCC", "mse": "MSE", "gv_ratio": "GV ratio"}
+#: What input blocks are computed from, in words.
+KNOWN = {"text": "its words and the times of its phones", "audio": "its sound", "faces": "its recorded face"}
 _TABLES = (  # title, protocol, measures of each region, ending of their names
     ("Regions of the face", ABSOLUTE, ("ccc", "mse"), ""),
     ("Regions of the face, centred", CENTRED, ("ccc", "mse", "gv_ratio"), ""),
@@ -115,6 +118,7 @@ def region_tables(
     bootstrap: BootstrapSettings,
     paper: Published | None = None,
     digits: int = 3,
+    needs: Mapping[str, Sequence[str]] | None = None,
 ) -> tuple[Table, ...]:
     """The tables of :func:`region_frame`: in the paper's layout, centred, per turn, and as published.
 
@@ -122,6 +126,7 @@ def region_tables(
     ----------
     frame, measured, bootstrap, paper : as made by and given to :func:`region_frame`
     facts : what the figures were computed on
+    needs : input block -> what it is computed from, as for :func:`knowledge_note`
     """
     pooled = measured.pooled()
     run = {(line.row, line.metric): line for line in frame[frame["source"] == RUN].itertuples()}
@@ -132,7 +137,8 @@ def region_tables(
         if grouped:
             first = (*facts, *given) if not tables else given
             table = _table(title, pooled, run, grouped, digits, not tables)
-            tables.append(Table(**table, facts=(*first, ("protocol", PROTOCOLS[protocol]))))
+            notes = (*table.notes, *(() if tables else knowledge_note(pooled.rows, needs or {})))
+            tables.append(replace(table, facts=(*first, ("protocol", PROTOCOLS[protocol])), notes=notes))
     if paper is not None and paper.regions is not None:
         tables.append(_published(paper))
     return tuple(tables)
@@ -157,6 +163,22 @@ def regions_of(
     return found
 
 
+def knowledge_note(rows: Sequence[ModelRow], needs: Mapping[str, Sequence[str]]) -> tuple[str, ...]:
+    """What rows know of a test utterance, as a sentence; empty if nothing is known of the blocks that they read.
+
+    Parameters
+    ----------
+    needs : input block -> what it is computed from (:func:`visualspeech.features.blocks.base.needs_of`)
+    """
+    found: dict[str, list[str]] = {}
+    for row in rows:
+        known = [text for need, text in KNOWN.items() if any(need in needs.get(name, ()) for name in row.reads)]
+        if known:
+            found.setdefault(" and ".join(known) if len(known) > 1 else f"{known[0]} alone", []).append(row.title)
+    said = "; ".join(f"{text}: {', '.join(dict.fromkeys(titles))}" for text, titles in found.items())
+    return (f"What rows know of a test utterance: {said}.",) if said else ()
+
+
 def without_region(metric: Metric) -> Metric:
     """The measure with a title for a column below the name of its region."""
     return replace(
@@ -174,8 +196,8 @@ def groups_of(grouped: Mapping[str, Sequence[Metric]]) -> tuple[tuple[str, int],
     return tuple((f"{region.capitalize()} face", len(own)) for region, own in grouped.items())
 
 
-def _table(title: str, pooled: MeasuredRows, run: Mapping, grouped: Mapping, digits: int, with_cost: bool) -> dict:
-    """Fields of a table; the first one has sizes and the cost of training."""
+def _table(title: str, pooled: MeasuredRows, run: Mapping, grouped: Mapping, digits: int, with_cost: bool) -> Table:
+    """One table; the first one has sizes and the cost of training."""
     metrics = [metric for own in grouped.values() for metric in own]
     best = {
         (row, metric.name)
@@ -212,14 +234,14 @@ def _table(title: str, pooled: MeasuredRows, run: Mapping, grouped: Mapping, dig
             "Seconds of training are wall-clock time on one core of the machine of this run, and the only figures here "
             "that another run does not repeat.",
         )
-    return {
-        "title": title,
-        "columns": columns,
-        "rows": tuple(Row(row.title, cells(row), row.role) for row in pooled.rows),
-        "groups": groups,
-        "notes": notes,
-        "definitions": definitions_of(list(map(without_region, next(iter(grouped.values()))))),
-    }
+    return Table(
+        title,
+        columns,
+        tuple(Row(row.title, cells(row), row.role) for row in pooled.rows),
+        groups=groups,
+        notes=notes,
+        definitions=definitions_of(list(map(without_region, next(iter(grouped.values()))))),
+    )
 
 
 def _thousands(number: float) -> str:

@@ -249,6 +249,7 @@ rule tabulate_regions:
         published=lambda wildcards: system_of(wildcards)["published"],
         bootstrap=lambda wildcards: system_of(wildcards)["tables"]["bootstrap"],
         seed=SEED,
+        needs=needs_of_blocks,
         code=code("tabulate_regions.py"),
     script:
         "../scripts/tabulate_regions.py"
@@ -273,6 +274,7 @@ rule tabulate_emotions:
         published=lambda wildcards: system_of(wildcards)["published"],
         bootstrap=lambda wildcards: system_of(wildcards)["tables"]["bootstrap"],
         seed=SEED,
+        needs=needs_of_blocks,
         code=code("tabulate_emotions.py"),
     script:
         "../scripts/tabulate_emotions.py"

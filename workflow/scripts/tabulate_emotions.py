@@ -22,7 +22,7 @@ with job(snakemake.log[0]):
     given = measured, emotions, settings
     frame = emotion_frame(*given, bootstrap)
     lines, paper = facts.lines(measured), published(params.published)
-    tables = emotion_tables(frame, *given, lines, bootstrap, paper, params.digits)
+    tables = emotion_tables(frame, *given, lines, bootstrap, paper, params.digits, params.needs)
     for path, text in zip(made.tables, all_forms(frame, tables, "Emotions"), strict=True):
         write_text(path, text)
     with replacing(made.figure) as picture:

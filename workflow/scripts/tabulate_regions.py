@@ -22,6 +22,6 @@ with job(snakemake.log[0]):
     }
     paper, bootstrap = published(params.published), BootstrapSettings(**params.bootstrap, seed=params.seed)
     frame = region_frame(measured, costs, bootstrap, paper)
-    tables = region_tables(frame, measured, facts.lines(measured), bootstrap, paper, params.digits)
+    tables = region_tables(frame, measured, facts.lines(measured), bootstrap, paper, params.digits, params.needs)
     for path, text in zip(snakemake.output, all_forms(frame, tables, "Regions of the face"), strict=True):
         write_text(path, text)

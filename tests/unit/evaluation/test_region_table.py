@@ -1,5 +1,7 @@
 """Table 1 and Fig. 5 of Sadoughi and Busso (2017), of made-up predictions."""
 
+from dataclasses import replace
+
 import numpy as np
 import pandas
 import pytest
@@ -17,7 +19,16 @@ from visualspeech.evaluation.measured import MeasuredRows
 from visualspeech.evaluation.metrics import corpus_figure
 from visualspeech.evaluation.published_results import published, published_of
 from visualspeech.evaluation.region_settings import EmotionSettings
-from visualspeech.evaluation.region_table import COLUMNS, PUBLISHED, RUN, Cost, cost_of, region_frame, region_tables
+from visualspeech.evaluation.region_table import (
+    COLUMNS,
+    PUBLISHED,
+    RUN,
+    Cost,
+    cost_of,
+    knowledge_note,
+    region_frame,
+    region_tables,
+)
 from visualspeech.evaluation.regions import region_statistics
 from visualspeech.evaluation.scoring import score_table
 from visualspeech.evaluation.statistics import BootstrapSettings
@@ -103,6 +114,15 @@ def test_the_layout_is_the_papers_and_its_figures_stand_beside():
     assert frame.set_index("source").loc[PUBLISHED]["parameters"].max() == 50.8e6
     texts = forms.all_forms(frame, tables, "Regions of the face")
     assert all("Joint-1" in text for text in texts) and "Upper face CCC" in texts[1]
+
+
+def test_the_table_says_what_rows_know():
+    rows = [replace(network("a", "Joint-1"), reads=("speech",)), replace(network("b", "B"), reads=("speech", "tri"))]
+    needs = {"speech": ("audio",), "tri": ("text",)}
+    assert knowledge_note(rows, needs) == (
+        "What rows know of a test utterance: its sound alone: Joint-1; its words and the times of its phones and its "
+        "sound: B.",
+    )
 
 
 def test_what_the_coding_lacks_is_left_out():
