@@ -18,6 +18,7 @@ from visualspeech.corpora.demo.recording import DemoSettings
 from visualspeech.corpora.motion_settings import MotionSettings
 from visualspeech.errors import SettingError, StorageError
 from visualspeech.evaluation.comparisons import ComparisonSettings
+from visualspeech.evaluation.region_settings import EmotionSettings, RegionTableSettings
 from visualspeech.evaluation.selection_settings import SelectionSettings
 from visualspeech.evaluation.statistics import BootstrapSettings
 from visualspeech.evaluation.tables import TableSettings
@@ -66,12 +67,12 @@ from visualspeech.speech.spoken_settings import VoiceSettings
 
 CLASSES = [
     AamSettings, AlignmentSettings, BootstrapSettings, CheckSettings, ComparisonSettings, DemoSettings, DnnSettings,
-    DriftSettings, DynamicVisemesSettings, EnsembleSettings, FittingSettings, FullContextSettings,
+    DriftSettings, DynamicVisemesSettings, EmotionSettings, EnsembleSettings, FittingSettings, FullContextSettings,
     GvCompensationSettings, HmmSettings, LabelPartsSettings, LandmarkSettings, LinguisticSettings, LogMelSettings,
     LookupSettings, MarkerSettings, MotionSettings, PhoneClassesSettings, PhoneSettings, PhoneTrackSettings,
-    PoseSettings, ReferenceSettings, RenderSettings, ScreeningSettings, SelectionSettings, SpeakSettings,
-    StackSettings, TableSettings, TrainingSettings, TrajectorySettings, TriphoneStateSettings, VideoSettings,
-    VisemeContextSettings, VisemeNumberSettings, VoiceSettings, WalkSettings,
+    PoseSettings, ReferenceSettings, RegionTableSettings, RenderSettings, ScreeningSettings, SelectionSettings,
+    SpeakSettings, StackSettings, TableSettings, TrainingSettings, TrajectorySettings, TriphoneStateSettings,
+    VideoSettings, VisemeContextSettings, VisemeNumberSettings, VoiceSettings, WalkSettings,
 ]  # fmt: skip
 HEAVY = {"av", "torch", "cv2", "dlib", "pandas", "scipy", "matplotlib", "h5py", "pocketsphinx", "jsonschema"}
 BESIDE = {"minimum": -1, "above": 0, "maximum": 1, "below": 0}  # how far outside a bound a value is
