@@ -9,7 +9,7 @@ def facts_of(wildcards):
         "corpus": wildcards.corpus,
         "system": wildcards.system,
         "coding": coding["name"],
-        "drift": coding["drift"]["method"],
+        "drift": drift_of(coding),
     }
 
 

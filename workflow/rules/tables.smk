@@ -29,9 +29,9 @@ rule measure_model:
         alignment=shards("<corpus>/alignment/{shard}.tsv"),
         lips="<system>/lips.tsv",
     output:
-        test="<system>/models/{model}/statistics.tsv",
-        validation="<system>/models/{model}/validation.tsv",
-        camera="<system>/models/{model}/camera.tsv",
+        test="<aam_system>/models/{model}/statistics.tsv",
+        validation="<aam_system>/models/{model}/validation.tsv",
+        camera="<aam_system>/models/{model}/camera.tsv",
     log:
         "<system>/logs/measure_model/{model}.log",
     benchmark:
@@ -41,7 +41,7 @@ rule measure_model:
         mem_mb=1000,
         disk_mb=50,
     params:
-        drift=lambda wildcards: coding_of(wildcards)["drift"]["method"],
+        drift=lambda wildcards: drift_of(coding_of(wildcards)),
         code=code("measure_model.py"),
     script:
         "../scripts/measure_model.py"
