@@ -173,6 +173,7 @@ def tabulated(wildcards):
             "rows": plain_rows()(one),
             "statistics": statistics_of(file="camera.tsv")(one),
             "lips": filled("<system>/lips_camera.tsv", one)[0],
+            "costs": filled("<system>/costs.tsv", one)[0],
             "rate": system_of(one)["rate"],
             "utterances": of_coding("utterances.tsv")(one),
             "coding": of_coding("model.safetensors")(one),

@@ -313,7 +313,8 @@ rule measure_across:
         models=statistics_of(PREDICTING, file="model.safetensors"),
         speed=statistics_of(PREDICTING, file="speed.tsv"),
     output:
-        "<system>/lips_camera.tsv",
+        lips="<system>/lips_camera.tsv",
+        costs="<system>/costs.tsv",
     log:
         "<system>/logs/measure_across.log",
     benchmark:
@@ -335,7 +336,7 @@ rule tabulate_systems:
         utterances=of_systems(lambda wildcards: [of_coding("utterances.tsv")(wildcards)]),
         codings=of_systems(lambda wildcards: [of_coding("model.safetensors")(wildcards)]),
         statistics=of_systems(statistics_of(file="camera.tsv")),
-        lips=of_systems(lambda wildcards: filled("<system>/lips_camera.tsv", wildcards)),
+        lips=of_systems(lambda wildcards: filled("<system>/{file}.tsv", wildcards, file=["lips_camera", "costs"])),
     output:
         multiext("<corpus>/tables/systems", *FORMS),
     log:
