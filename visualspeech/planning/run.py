@@ -24,7 +24,6 @@ from visualspeech.planning.systems import (
     read_named,
     read_systems,
 )  # fmt: skip
-from visualspeech.planning.tables import coding_mistakes
 from visualspeech.schema import fill_defaults, load_schema, mistakes, unknown
 from visualspeech.settings import plain_data
 
@@ -89,20 +88,10 @@ def resolve(config: Mapping, folder: Path) -> dict:
     systems = {
         name: collect(_complete_system, system, schemas["system"], settings["seed"]) for name, system in systems.items()
     }
-<<<<<<< HEAD
     if not collect.found:
         own = {name: codings[system["coding"]] for name, system in systems.items()}
         collect.found += [said for name, system in systems.items() for said in kind_mistakes(system, own[name])]
         collect.found += _speak_mistakes(settings["speak"], systems, own)
-=======
-    collect.found += [] if collect.found else _speak_mistakes(settings["speak"], systems)
-    if not collect.found:
-        collect.found += [
-            said
-            for name, system in systems.items()
-            for said in coding_mistakes(system["tables"], codings[system["coding"]]["kind"], f"systems.{name}.tables")
-        ]
->>>>>>> sa-eval
     if collect.found:
         raise SettingError("\n".join(collect.found))
     systems = {name: with_needs(system, own[name]) for name, system in systems.items()}
