@@ -6,7 +6,7 @@ computed by light jobs and a talking head can encode new speech.
 """
 
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from importlib import import_module
 from pathlib import Path
 from pkgutil import iter_modules
@@ -300,7 +300,7 @@ class Sources:
     ids: Collection[str]
     audio: object = None
     faces: bool = False
-    speakers: Mapping[str, str] = MappingProxyType({})
+    speakers: Mapping[str, str] = field(default_factory=dict)
 
     def __iter__(self) -> Iterator[Source]:
         # Without an alignment, one pass over all shards.
