@@ -25,6 +25,16 @@ if workflow.is_main_process:
         logger.warning(sentence)
 
 
+def codings_of_kind(kind):
+    """Names of the visual codings of a kind."""
+    return [name for name, one in SETTINGS["codings"].items() if one["kind"] == kind]
+
+
+def systems_of_kind(kind):
+    """Names of the systems that predict a visual coding of a kind."""
+    return [name for name, one in SETTINGS["systems"].items() if one["coding"] in codings_of_kind(kind)]
+
+
 LOCKS = []
 
 
