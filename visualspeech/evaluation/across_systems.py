@@ -149,8 +149,8 @@ def _figure(
 
 def systems_tables(
     frame, systems: Sequence[SystemRows], bootstrap: BootstrapSettings, digits: int = 3, lost: Collection[str] = ()
-) -> tuple[Table, Table]:
-    """Both tables of all systems, with a heading above the rows of each.
+) -> tuple[Table, ...]:
+    """Both tables of all systems, with a heading above the rows of each; the second one where a system has figures.
 
     Parameters
     ----------
@@ -162,10 +162,13 @@ def systems_tables(
         own = DIGITS.get(line.metric, digits) if line.part == LIPS else digits
         values = (line.value, line.low, line.high)
         text[line.system, line.row, line.part, line.metric] = tuple(shown(value, own) for value in values)
-    return (
-        _lip_table(text, systems, bootstrap, lost),
-        _parameter_table(text, systems, bootstrap),
-    )
+    coded = [one for one in systems if any(_is_coded(one, name) for name, _ in COLUMNS)]
+    parameters = (_parameter_table(text, coded),) if coded else ()
+    return (_lip_table(text, systems, bootstrap, lost), *parameters)
+
+
+def _is_coded(system: SystemRows, name: str) -> bool:
+    return is_measured(next(iter(system.measured.tables.values())), METRICS[name])
 
 
 def _facts(systems: Sequence[SystemRows], bootstrap: BootstrapSettings) -> tuple[tuple[str, str], ...]:
@@ -188,7 +191,7 @@ def _lip_table(text, systems: Sequence[SystemRows], bootstrap: BootstrapSettings
     recorded = tuple(Cell(text.get(("", RECORDED, LIPS, name), ("",))[0]) for name in LIP_COLUMNS)
     notes = (
         "The best value in each column is bold; floors are left out, and baselines in the columns of the model.",
-        "Predictions are decoded to lip points and compared with the tracked lips at the frames of the camera. The "
+        "Predictions are decoded to lip points and compared with the recorded lips at the frames of the camera. The "
         "floor of a system is the recorded face through its visual coding and frame rate. A rate of closure above that "
         "of the recorded faces means that the lips close more often than the speaker's.",
         *oracle_note([row for _, pooled in measured for row in pooled.rows]),
@@ -211,7 +214,7 @@ def _lip_table(text, systems: Sequence[SystemRows], bootstrap: BootstrapSettings
     )
 
 
-def _parameter_table(text, systems: Sequence[SystemRows], bootstrap: BootstrapSettings) -> Table:
+def _parameter_table(text, systems: Sequence[SystemRows]) -> Table:
     columns = tuple((METRICS[name], part) for name, part in COLUMNS)
     measured = [(system, system.measured.pooled()) for system in systems]
     return Table(

@@ -173,6 +173,12 @@ def recorded_points(wildcards):
     return filled(pattern, wildcards) if hasattr(wildcards, "shard") else shards(pattern)(wildcards)
 
 
+def recorded_names(wildcards):
+    """Params function: names of the recorded points of a corpus, in their order."""
+    corpus = PLAN.corpora[wildcards.corpus]
+    return list(LANDMARK_NAMES if "video" in corpus.gives else corpus.markers.names)
+
+
 def recorded_markers(wildcards):
     """Params function: the marker set of a coding on a corpus, with the names of the recorded points in their order."""
     corpus, points = PLAN.corpora[wildcards.corpus], coding_of(wildcards)["points"]
@@ -180,7 +186,7 @@ def recorded_markers(wildcards):
     return {
         "source": points if pictured else corpus.name,
         "regions": (read_marker_set(points) if pictured else corpus.markers).by_region(),
-        "names": list(LANDMARK_NAMES if pictured else corpus.markers.names),
+        "names": recorded_names(wildcards),
     }
 
 
