@@ -34,4 +34,5 @@ with (
     fitted = import_module(snakemake.params.module).fit(task)
     write_table(snakemake.output.curve, fitted.curve)
     fitted.model.save(snakemake.output.model)
-    checkpoint.unlink(missing_ok=True)
+    for kept in checkpoint.parent.glob(f"{checkpoint.stem}*{checkpoint.suffix}"):
+        kept.unlink()
