@@ -41,6 +41,7 @@ from visualspeech.features.blocks.phone_classes import PhoneClassesSettings
 from visualspeech.features.blocks.phone_track import PhoneTrackSettings
 from visualspeech.features.blocks.triphone_state import TriphoneStateSettings
 from visualspeech.features.blocks.viseme_context import VisemeContextSettings
+from visualspeech.features.speech_block import SpeechSettings
 from visualspeech.fields import (
     MAX_SEED,
     FieldError,
@@ -71,10 +72,11 @@ CLASSES = [
     GvCompensationSettings, HmmSettings, JointSettings, LabelPartsSettings, LandmarkSettings, LinguisticSettings,
     LogMelSettings, LookupSettings, MarkerSettings, MotionSettings, PhoneClassesSettings, PhoneSettings,
     PhoneTrackSettings, PoseSettings, ReferenceSettings, RenderSettings, ScreeningSettings, SelectionSettings,
-    SpeakSettings, StackSettings, TableSettings, TrainingSettings, TrajectorySettings, TriphoneStateSettings,
-    VideoSettings, VisemeContextSettings, VisemeNumberSettings, VoiceSettings, WalkSettings,
+    SpeakSettings, SpeechSettings, StackSettings, TableSettings, TrainingSettings, TrajectorySettings,
+    TriphoneStateSettings, VideoSettings, VisemeContextSettings, VisemeNumberSettings, VoiceSettings, WalkSettings,
 ]  # fmt: skip
-HEAVY = {"av", "torch", "cv2", "dlib", "pandas", "scipy", "matplotlib", "h5py", "pocketsphinx", "jsonschema"}
+HEAVY = {"av", "torch", "cv2", "dlib", "pandas", "scipy", "matplotlib", "h5py", "pocketsphinx", "jsonschema",
+         "parselmouth", "opensmile"}  # fmt: skip
 BESIDE = {"minimum": -1, "above": 0, "maximum": 1, "below": 0}  # how far outside a bound a value is
 
 

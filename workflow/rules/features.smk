@@ -53,6 +53,7 @@ rule fit_block:
 
 rule encode_block:
     input:
+        utterances=of_coding("utterances.tsv"),
         block="<system>/features/{block}/block.safetensors",
         alignment=where_needed("text", "<corpus>/alignment/{shard}.tsv"),
         audio=where_needed("audio", "<corpus>/audio/{shard}.h5"),
