@@ -33,7 +33,9 @@ ROWS = {
 #: Rows that a row is made of; their code is part of its own.
 PARENTS = {"ensemble": ("stack", "hmm"), "gv": ("stack",)}
 #: Rows of networks, and those that are made of some.
-NETWORKS = {"stack", "rich", "classes", "heard", "spoken", "context", "visemes", "dnn", "joint", "ensemble", "gv"}
+NETWORKS = {
+    "stack", "rich", "classes", "heard", "spoken", "context", "visemes", "dnn", "joint", "ensemble", "gv",
+}  # fmt: skip
 
 
 @pytest.fixture

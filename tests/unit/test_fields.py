@@ -18,6 +18,7 @@ from visualspeech.corpora.demo.recording import DemoSettings
 from visualspeech.corpora.motion_settings import MotionSettings
 from visualspeech.errors import SettingError, StorageError
 from visualspeech.evaluation.comparisons import ComparisonSettings
+from visualspeech.evaluation.region_settings import EmotionSettings, RegionTableSettings
 from visualspeech.evaluation.selection_settings import SelectionSettings
 from visualspeech.evaluation.statistics import BootstrapSettings
 from visualspeech.evaluation.tables import TableSettings
@@ -68,12 +69,13 @@ from visualspeech.speech.spoken_settings import VoiceSettings
 
 CLASSES = [
     AamSettings, AlignmentSettings, BootstrapSettings, CheckSettings, ComparisonSettings, DemoSettings, DnnSettings,
-    DriftSettings, DynamicVisemesSettings, EnsembleSettings, FittingSettings, FullContextSettings,
+    DriftSettings, DynamicVisemesSettings, EmotionSettings, EnsembleSettings, FittingSettings, FullContextSettings,
     GvCompensationSettings, HmmSettings, JointSettings, LabelPartsSettings, LandmarkSettings, LinguisticSettings,
     LogMelSettings, LookupSettings, MarkerSettings, MotionSettings, PhoneClassesSettings, PhoneSettings,
-    PhoneTrackSettings, PoseSettings, ReferenceSettings, RenderSettings, ScreeningSettings, SelectionSettings,
-    SpeakSettings, SpeechSettings, StackSettings, TableSettings, TrainingSettings, TrajectorySettings,
-    TriphoneStateSettings, VideoSettings, VisemeContextSettings, VisemeNumberSettings, VoiceSettings, WalkSettings,
+    PhoneTrackSettings, PoseSettings, ReferenceSettings, RegionTableSettings, RenderSettings, ScreeningSettings,
+    SelectionSettings, SpeakSettings, SpeechSettings, StackSettings, TableSettings, TrainingSettings,
+    TrajectorySettings, TriphoneStateSettings, VideoSettings, VisemeContextSettings, VisemeNumberSettings,
+    VoiceSettings, WalkSettings,
 ]  # fmt: skip
 HEAVY = {"av", "torch", "cv2", "dlib", "pandas", "scipy", "matplotlib", "h5py", "pocketsphinx", "jsonschema",
          "parselmouth", "opensmile"}  # fmt: skip

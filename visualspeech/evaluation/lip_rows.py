@@ -1,7 +1,6 @@
 """The table of lip statistics of a system: a line for each of its rows and test utterances."""
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
 
 from visualspeech.corpora.records import Utterance
 from visualspeech.errors import DamagedFile
@@ -12,33 +11,6 @@ from visualspeech.models.speed import read_speed
 from visualspeech.speech.alignment import Alignment
 from visualspeech.storage.models import read_model
 from visualspeech.storage.tables import read_table
-
-
-@dataclass(frozen=True)
-class Cost:
-    """What the predictions of a model cost.
-
-    Parameters
-    ----------
-    parameters : number of parameters
-    seconds : processor seconds of the prediction of each utterance, by id
-    """
-
-    parameters: int
-    seconds: Mapping[str, float]
-
-    @classmethod
-    def of(cls, model, speed) -> "Cost":
-        """From the file of a model and that of the times of its predictions; raises :class:`StorageError`."""
-        return cls(parameter_count(read_model(model)[0]), read_speed(speed))
-
-    def statistics(self, utterance_id: str) -> dict[str, float]:
-        """The columns that the measures of cost need; NaN for an utterance that was not timed."""
-        return {"parameters": self.parameters, "seconds": self.seconds.get(utterance_id, float("nan"))}
-
-
-#: Of what is no model.
-NO_COST = {"parameters": float("nan"), "seconds": float("nan")}
 
 
 def tracked_speakers(
@@ -82,7 +54,6 @@ def lip_rows(
     mouths: tuple[Mouth, Mouth],
     alignments: Mapping[str, Alignment],
     speakers: Mapping[str, TrackedSpeaker],
-    cost: Cost | None = None,
 ) -> Iterator[dict]:
     """The lines of one row.
 
@@ -95,7 +66,6 @@ def lip_rows(
     coding : :class:`visualspeech.face.coding.VisualCoding`
     mouths : the lips among the points of the coding, and among the tracked ones
     alignments, speakers : by id, and by name
-    cost : of the row; None for what is no model
 
     Raises
     ------
@@ -109,30 +79,58 @@ def lip_rows(
         decoded = coding.decode_points(predictions.array(one.id, "appearance"))
         read = at_frames(decoded, predictions.rate(one.id), len(true), rate)
         found = lip_statistics(read, true, mouths, alignments[one.id], rate, speakers[one.speaker])
-        costs = cost.statistics(one.id) if cost else NO_COST
-        yield {"row": row, "id": one.id, "rate": rate, **found, **costs}
+        yield {"row": row, "id": one.id, "rate": rate, **found}
 
 
 def lip_table(lines: Iterable[dict]):
-    """The table (:class:`pandas.DataFrame`) of lines of :func:`lip_rows`, those of each row sorted by id."""
+    """The table (:class:`pandas.DataFrame`) of lines of :func:`lip_rows` or :func:`cost_rows`, each row's by id."""
     import pandas
 
     lines = list(lines)
-    table = pandas.DataFrame(lines, columns=None if lines else ["row", "id", "rate", "frames"])
+    table = pandas.DataFrame(lines, columns=None if lines else ["row", "id", "frames", "seconds", "parameters"])
     order = {name: number for number, name in enumerate(dict.fromkeys(table["row"]))}
     return table.sort_values(["row", "id"], key=lambda column: column.map(order) if column.name == "row" else column,
                              ignore_index=True)  # fmt: skip
 
 
-def read_lip_tables(path, rows: Sequence[str]) -> list:
-    """The lines of each of some rows in a file of :func:`lip_table`, in the order of ``rows``.
+def cost_rows(row: str, utterances: Sequence[Utterance], model, speed) -> Iterator[dict]:
+    """What each test utterance's prediction by a model cost: ``row id seconds parameters``.
+
+    Parameters
+    ----------
+    row : its name
+    model, speed : paths of its file, and of the processor seconds of its predictions
 
     Raises
     ------
     StorageError
-        The file is missing, no such table, or lacks a row.
+        A file is missing or damaged, or an utterance was not timed.
+    """
+    parameters, seconds = parameter_count(read_model(model)[0]), read_speed(speed)
+    for one in utterances:
+        if one.id not in seconds:
+            raise DamagedFile(speed, f"utterance {one.id} is missing")
+        yield {"row": row, "id": one.id, "seconds": seconds[one.id], "parameters": parameters}
+
+
+def read_lip_tables(path, costs, rows: Sequence[str]) -> list:
+    """The lines of each of some rows in a file of :func:`lip_table`, with what they cost, in the order of ``rows``.
+
+    What is no model has cost nothing that could be compared: NaN.
+
+    Parameters
+    ----------
+    path, costs : files of the lines of :func:`lip_rows` and of those of :func:`cost_rows`
+
+    Raises
+    ------
+    StorageError
+        A file is missing, no such table, or lacks a row.
     """
     table = read_table(path, ("row", "id"), None, ("row", "id", "frames"))
+    table = table.merge(
+        read_table(costs, ("row", "id"), ("seconds", "parameters"), ("row", "id")), "left", ["row", "id"]
+    )
     parts = {str(name): part.drop(columns="row").reset_index(drop=True) for name, part in table.groupby("row")}
     for name in rows:
         if name not in parts:

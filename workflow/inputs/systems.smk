@@ -84,6 +84,11 @@ def block_of(wildcards):
     return system_of(wildcards)["blocks"][wildcards.block]
 
 
+def needs_of_blocks(wildcards):
+    """What each input block of a system is computed from."""
+    return {name: needs_of(block_class(one["kind"])) for name, one in system_of(wildcards)["blocks"].items()}
+
+
 def parts_of_block(wildcards):
     """Names of the other input blocks that a job's block is computed from."""
     own = block_of(wildcards)

@@ -1,7 +1,7 @@
 """Measure the lips that the rows of a system predict against the tracked ones, at the frames of the camera."""
 
 from visualspeech.corpora.table import of_split, read_utterances
-from visualspeech.evaluation.lip_rows import Cost, lip_rows, lip_table
+from visualspeech.evaluation.lip_rows import cost_rows, lip_rows, lip_table
 from visualspeech.evaluation.lip_statistics import read_speakers
 from visualspeech.face.coding import load_coding
 from visualspeech.face.mouth import TRACKED, mouth_of
@@ -16,8 +16,10 @@ with job(snakemake.log[0]), ArrayCollection(source.faces) as faces:
     mouths = mouth_of(coding.points), TRACKED
     tests = of_split(read_utterances(source.utterances), "test")
     aligned = alignments_of(source.alignment, [one.id for one in tests])
-    costs = {name: Cost.of(*paths) for name, *paths in zip(params.models, source.models, source.speed, strict=True)}
     for name, path in zip(params.rows, source.predictions, strict=True):
         with ArrayReader(path) as predictions:
-            lines += lip_rows(name, tests, predictions, faces, coding, mouths, aligned, speakers, costs.get(name))
-    write_table(snakemake.output[0], lip_table(lines))
+            lines += lip_rows(name, tests, predictions, faces, coding, mouths, aligned, speakers)
+    write_table(snakemake.output.lips, lip_table(lines))
+    models = zip(params.models, source.models, source.speed, strict=True)
+    costs = [line for name, *paths in models for line in cost_rows(name, tests, *paths)]
+    write_table(snakemake.output.costs, lip_table(costs))

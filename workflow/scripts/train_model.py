@@ -31,8 +31,8 @@ with (
     parents = [Path(path) for path in source.parents]
     blocks = load_blocks(dict(zip(row.reads, source.blocks, strict=True)))
     lips = recorded_lips(row, training.ids, targets, source.alignment)
-    coding, regions = file_digest(source.coding), coding_regions(source.coding)
-    task = Task(row, blocks, training, validation, coding, parents, checkpoint, lips, regions)
+    regions = coding_regions(source.coding)
+    task = Task(row, blocks, training, validation, file_digest(source.coding), parents, checkpoint, lips, regions)
     fitted = import_module(snakemake.params.module).fit(task)
     write_table(snakemake.output.curve, fitted.curve)
     fitted.model.save(snakemake.output.model)
