@@ -15,6 +15,7 @@ from visualspeech.animation.video_settings import VideoSettings
 from visualspeech.animation.walk import WalkSettings
 from visualspeech.corpora.check_settings import CheckSettings
 from visualspeech.corpora.demo.recording import DemoSettings
+from visualspeech.corpora.motion_settings import MotionSettings
 from visualspeech.errors import SettingError, StorageError
 from visualspeech.evaluation.comparisons import ComparisonSettings
 from visualspeech.evaluation.selection_settings import SelectionSettings
@@ -26,6 +27,7 @@ from visualspeech.face.aam.model import AamSettings
 from visualspeech.face.aam.reference import ReferenceSettings
 from visualspeech.face.drift import DriftSettings
 from visualspeech.face.head import PoseSettings
+from visualspeech.face.marker_coding import MarkerSettings
 from visualspeech.face.screening import ScreeningSettings
 from visualspeech.face.tracker import LandmarkSettings
 from visualspeech.features.blocks.base import block_class, block_kinds
@@ -67,10 +69,10 @@ CLASSES = [
     AamSettings, AlignmentSettings, BootstrapSettings, CheckSettings, ComparisonSettings, DemoSettings, DnnSettings,
     DriftSettings, DynamicVisemesSettings, EnsembleSettings, FittingSettings, FullContextSettings,
     GvCompensationSettings, HmmSettings, LabelPartsSettings, LandmarkSettings, LinguisticSettings, LogMelSettings,
-    LookupSettings, PhoneClassesSettings, PhoneSettings, PhoneTrackSettings, PoseSettings, ReferenceSettings,
-    RenderSettings, ScreeningSettings, SelectionSettings, SpeakSettings, SpeechSettings, StackSettings, TableSettings,
-    TrainingSettings, TrajectorySettings, TriphoneStateSettings, VideoSettings, VisemeContextSettings,
-    VisemeNumberSettings, VoiceSettings, WalkSettings,
+    LookupSettings, MarkerSettings, MotionSettings, PhoneClassesSettings, PhoneSettings, PhoneTrackSettings,
+    PoseSettings, ReferenceSettings, RenderSettings, ScreeningSettings, SelectionSettings, SpeakSettings,
+    SpeechSettings, StackSettings, TableSettings, TrainingSettings, TrajectorySettings, TriphoneStateSettings,
+    VideoSettings, VisemeContextSettings, VisemeNumberSettings, VoiceSettings, WalkSettings,
 ]  # fmt: skip
 HEAVY = {"av", "torch", "cv2", "dlib", "pandas", "scipy", "matplotlib", "h5py", "pocketsphinx", "jsonschema",
          "parselmouth", "opensmile"}  # fmt: skip

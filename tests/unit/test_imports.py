@@ -26,6 +26,7 @@ MAX_LINES = 400
 BY_NAME = {
     ("visualspeech.face.tracker", "visualspeech.face.dlib_tracker"),
     ("visualspeech.face.coding", "visualspeech.face.aam.model"),
+    ("visualspeech.face.coding", "visualspeech.face.marker_coding"),
 }
 
 

@@ -1,7 +1,9 @@
 """Visual codings: the representation of faces that models predict.
 
-A coding encodes the faces of an utterance as vectors (T, N), and decodes such vectors to points of the normalised face
-and, if it models texture, to textures. Measures that need only points can be computed for every coding.
+A coding encodes the faces of an utterance as vectors (T, N), and decodes such vectors to points. Measures that need
+only points can be computed for every coding. What it encodes depends on its kind: an ``aam`` has points and textures of
+video (:meth:`visualspeech.face.aam.model.Aam.encode_faces`), ``markers`` has points alone, of video or of motion
+capture (:meth:`visualspeech.face.marker_coding.MarkerCoding.encode`).
 """
 
 from collections.abc import Mapping
@@ -11,10 +13,13 @@ from typing import NamedTuple, Protocol
 import numpy as np
 
 from visualspeech.errors import DamagedFile
-from visualspeech.face.drift import FaceReference, Faces
+from visualspeech.face.drift import FaceReference
 from visualspeech.face.point_sets import PointSet
 from visualspeech.storage.layouts import TEXT, check_plain
 from visualspeech.storage.models import read_model_settings
+
+#: Kinds of visual codings.
+KINDS = ("aam", "markers")
 
 
 class CodedFaces(NamedTuple):
@@ -34,24 +39,26 @@ class CodedFaces(NamedTuple):
 
 
 class VisualCoding(Protocol):
-    """A trained visual coding of N parameters per frame and P points."""
-
-    @property
-    def points(self) -> PointSet:
-        """The point set, of P points."""
+    """A trained visual coding of N parameters per frame and P points of d coordinates."""
 
     @property
     def size(self) -> int:
         """N, the number of parameters per frame."""
 
-    def encode_faces(self, faces: Faces) -> CodedFaces:
-        """Code the faces of one utterance."""
+    @property
+    def points(self) -> PointSet | None:
+        """The point set, of P points; None where the points are markers."""
 
-    def decode_points(self, parameters: np.ndarray) -> np.ndarray:
-        """Points (T, P, 2) of the normalised face in pixels for parameters (T, N), without the utterance's offset."""
+    @property
+    def regions(self) -> Mapping[str, tuple[int, ...]]:
+        """Region of the face -> its columns among the parameters; empty where a parameter belongs to no region."""
 
-    def decode_texture(self, parameters: np.ndarray) -> np.ndarray | None:
-        """Textures (T, 3U) in grey levels for parameters (T, N), without the offset; None where none is modelled."""
+    def decode_points(self, parameters: np.ndarray, speaker: str = "") -> np.ndarray:
+        """Points (T, P, d) of parameters (T, N), without the utterance's offset.
+
+        An ``aam`` gives pixels of the normalised face and takes no notice of the speaker; ``markers`` gives the unit of
+        the recordings, from the mean and deviation of the speaker.
+        """
 
 
 class CodingHeader(NamedTuple):
@@ -59,8 +66,8 @@ class CodingHeader(NamedTuple):
 
     Parameters
     ----------
-    kind : kind of the coding, ``aam``
-    points : name of the point set
+    kind : kind of the coding, one of :data:`KINDS`
+    points : name of the point set, or of the marker set
     sizes : parameters per frame by name; those that models predict are ``appearance``
     """
 
@@ -101,10 +108,11 @@ def load_coding(path: str | Path) -> VisualCoding:
     StorageError
         The file is missing, no visual coding, or of an unknown kind.
     """
-    from visualspeech.face.aam.model import Aam
-
-    kinds = {"aam": Aam}
     kind = read_coding_header(path).kind
-    if kind not in kinds:
-        raise DamagedFile(path, f"it is a visual coding of the unknown kind {kind!r:.40}; known are {', '.join(kinds)}")
-    return kinds[kind].load(path)
+    if kind == "aam":
+        from visualspeech.face.aam.model import Aam as Coding
+    elif kind == "markers":
+        from visualspeech.face.marker_coding import MarkerCoding as Coding
+    else:
+        raise DamagedFile(path, f"it is a visual coding of the unknown kind {kind!r:.40}; known are {', '.join(KINDS)}")
+    return Coding.load(path)

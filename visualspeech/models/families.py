@@ -28,6 +28,7 @@ class Family:
         ``members`` for several; the row reads what they read. Empty: none
     no_windows : why a row of these settings cannot read windows of frames, as the rest of a sentence; empty: it can
     by_frame : whether a model predicts each frame from its own inputs alone, so that it can be trained on single frames
+    regions : whether it needs a visual coding that divides its parameters into regions of the face
     made_from : whether a row of these settings starts from the model of another row, which ``from`` names
     """
 
@@ -44,6 +45,7 @@ class Family:
     made_from: Callable[[Mapping], bool] = lambda settings: False
     no_windows: Callable[[Mapping], str] = lambda settings: "this family reads none. Name the block alone."
     by_frame: bool = False
+    regions: bool = False
 
 
 _OF_STACKS = "a stack reads windows by a feed-forward layer. Begin `letters` with F, or name the block alone."

@@ -9,7 +9,7 @@ def facts_of(wildcards):
         "corpus": wildcards.corpus,
         "system": wildcards.system,
         "coding": coding["name"],
-        "drift": coding["drift"]["method"],
+        "drift": drift_of(coding),
     }
 
 
@@ -31,7 +31,8 @@ def plain_rows(roles=ROLES, names=None):
 
 
 def statistics_of(roles=ROLES, names=None, file="statistics.tsv"):
-    """Input function: the measured test utterances of these rows, in the order of :func:`plain_rows`."""
+    """Input function: a file of each of these rows, by default their measured test utterances, in the order of
+    :func:`plain_rows`."""
     rows = plain_rows(roles, names)
     return lambda wildcards: [
         path for row in rows(wildcards) for path in filled(f"<model>/{file}", wildcards, model=row["name"])
@@ -131,6 +132,7 @@ def tabulated(wildcards):
             "title": system_of(one)["title"] or one.system,
             "rows": plain_rows()(one),
             "statistics": statistics_of(file="camera.tsv")(one),
+            "lips": filled("<system>/lips_camera.tsv", one)[0],
             "rate": system_of(one)["rate"],
             "utterances": of_coding("utterances.tsv")(one),
             "coding": of_coding("model.safetensors")(one),

@@ -4,7 +4,7 @@ rule build_targets:
             "<coding>/parameters/{shard}.h5", wildcards, coding=system_of(wildcards)["coding"]
         )[0],
     output:
-        "<system>/targets/{shard}.h5",
+        "<aam_system>/targets/{shard}.h5",
     log:
         "<system>/logs/build_targets/{shard}.log",
     benchmark:

@@ -4,10 +4,10 @@ from collections.abc import Callable
 
 import numpy as np
 
-_SKIN = np.array([190, 146, 110], np.float32)
+from visualspeech.corpora.demo.characters import Look
 
 
-def paint_face(colours: np.ndarray, points: np.ndarray, seam: Callable, scale: int) -> np.ndarray:
+def paint_face(colours: np.ndarray, points: np.ndarray, seam: Callable, scale: int, look: Look) -> np.ndarray:
     """The head image with painted lips, brows and irises, and with skin grain.
 
     Parameters
@@ -23,9 +23,9 @@ def paint_face(colours: np.ndarray, points: np.ndarray, seam: Callable, scale: i
     grain = cv2.GaussianBlur(grain, (0, 0), 1.1) * 7 + cv2.GaussianBlur(grain, (0, 0), 5) * 18
     colours = colours + grain[..., None] * np.array([0.8, 0.9, 0.9], np.float32)
     colours = _softened_folds(cv2, colours, points, scale)
-    colours = _lips(cv2, colours, points, seam, scale)
-    colours = _brows(cv2, colours, points, scale, random)
-    return _irises(cv2, colours, points, scale)
+    colours = _lips(cv2, colours, points, seam, scale, look)
+    colours = _brows(cv2, colours, points, scale, random, look)
+    return _irises(cv2, colours, points, scale, look)
 
 
 def _filled(cv2, shape: tuple, polygon: np.ndarray, scale: int, blur: float) -> np.ndarray:
@@ -54,7 +54,7 @@ def _softened_folds(cv2, colours: np.ndarray, points: np.ndarray, scale: int) ->
     return colours + 0.8 * around[..., None] * (smooth + light - colours)
 
 
-def _lips(cv2, colours: np.ndarray, points: np.ndarray, seam: Callable, scale: int) -> np.ndarray:
+def _lips(cv2, colours: np.ndarray, points: np.ndarray, seam: Callable, scale: int, look: Look) -> np.ndarray:
     x = np.linspace(points[48, 0], points[54, 0], 60)
     line = np.stack([x, seam(x)], axis=1)
     upper = np.concatenate([smooth_curve(points[48:55], 60), line[::-1]])
@@ -64,7 +64,7 @@ def _lips(cv2, colours: np.ndarray, points: np.ndarray, seam: Callable, scale: i
     y, _ = np.mgrid[: colours.shape[0], : colours.shape[1]].astype(np.float32) / scale
     rows = np.broadcast_to((y - points[57, 1] + 8) / 5, y.shape)
     shine = 20 * np.exp(-(rows**2))[..., None]
-    for polygon, colour, light in ((upper, (142, 76, 72), 0.0), (lower, (164, 92, 86), 1.0)):
+    for polygon, colour, light in ((upper, look.upper_lip, 0.0), (lower, look.lower_lip, 1.0)):
         mask = 0.88 * _filled(cv2, colours.shape, polygon, scale, 0.7 * scale)[..., None]
         paint = np.array(colour, np.float32) + 0.35 * detail + light * shine
         colours = colours + mask * (paint - colours)
@@ -75,22 +75,24 @@ def _lips(cv2, colours: np.ndarray, points: np.ndarray, seam: Callable, scale: i
     return colours + mask * (np.array([74, 34, 32], np.float32) - colours)
 
 
-def _brows(cv2, colours: np.ndarray, points: np.ndarray, scale: int, random: np.random.Generator) -> np.ndarray:
+def _brows(
+    cv2, colours: np.ndarray, points: np.ndarray, scale: int, random: np.random.Generator, look: Look
+) -> np.ndarray:
     hairs = np.zeros(colours.shape[:2], np.uint8)
     for brow, outward in ((points[17:22], -1), (points[22:27][::-1], 1)):
         curve = smooth_curve(brow, 120)
         for i, point in enumerate(curve):
-            thick = 3.3 * np.sin(np.pi * (0.12 + 0.8 * i / len(curve)))
+            thick = look.brow_width * np.sin(np.pi * (0.12 + 0.8 * i / len(curve)))
             for _ in range(3):
                 start = point + random.normal(0, 0.42, 2) * [1, thick]
                 end = start + [outward * random.uniform(2, 4.5), random.uniform(-2.2, 0.4)]
                 ends = np.round((np.stack([start, end]) * scale) * 16).astype(np.int32)
                 cv2.line(hairs, tuple(map(int, ends[0])), tuple(map(int, ends[1])), 150, 1, cv2.LINE_AA, 4)
     mask = 0.8 * cv2.GaussianBlur(hairs.astype(np.float32) / 255, (0, 0), 0.9)[..., None]
-    return colours + mask * (np.array([46, 34, 28], np.float32) - colours)
+    return colours + mask * (np.array(look.brow, np.float32) - colours)
 
 
-def _irises(cv2, colours: np.ndarray, points: np.ndarray, scale: int) -> np.ndarray:
+def _irises(cv2, colours: np.ndarray, points: np.ndarray, scale: int, look: Look) -> np.ndarray:
     y, x = np.mgrid[: colours.shape[0], : colours.shape[1]].astype(np.float32) / scale
     for eye in (points[36:42], points[42:48]):
         centre = eye.mean(axis=0)
@@ -98,11 +100,11 @@ def _irises(cv2, colours: np.ndarray, points: np.ndarray, scale: int) -> np.ndar
         ring = np.clip((6.0 - distance) / 1.2, 0, 1) * np.clip((distance - 2.2) / 1.0, 0, 1)
         inside = _filled(cv2, colours.shape, eye, scale, 0.8)
         mask = (0.5 * ring * inside)[..., None]
-        colours = colours + mask * (np.array([72, 104, 92], np.float32) - colours)
+        colours = colours + mask * (np.array(look.iris, np.float32) - colours)
     return colours
 
 
-def backdrop_and_body(width: int, height: int) -> tuple[np.ndarray, np.ndarray]:
+def backdrop_and_body(width: int, height: int, look: Look) -> tuple[np.ndarray, np.ndarray]:
     """Backdrop (height, width, 3) and body (height, width, 4: RGB and coverage), uint8, for a head 150 pixels wide."""
     import cv2
 
@@ -112,7 +114,7 @@ def backdrop_and_body(width: int, height: int) -> tuple[np.ndarray, np.ndarray]:
     cloud = cv2.GaussianBlur(random.standard_normal((height, width), dtype=np.float32), (0, 0), 28)
     glow = np.exp(-(((x + 50) / 230) ** 2) - ((y - 120) / 220) ** 2)
     light = 0.55 + 0.5 * glow + 1.6 * cloud
-    backdrop = light[..., None] * np.array([142, 152, 158], np.float32)
+    backdrop = light[..., None] * np.array(look.backdrop, np.float32)
 
     fine = random.standard_normal((height, width), dtype=np.float32)
     folds = cv2.GaussianBlur(random.standard_normal((height, width), dtype=np.float32), (0, 0), 14)
@@ -121,7 +123,7 @@ def backdrop_and_body(width: int, height: int) -> tuple[np.ndarray, np.ndarray]:
     under_chin = np.exp(-((np.maximum(y - 250, 0) / 45) ** 2))
     round_light = 1.0 - 0.32 * (np.abs(x) / 50) ** 2.2 - 0.0011 * x
     skin = (
-        _SKIN * (round_light * (0.98 - 0.42 * under_chin))[..., None]
+        np.array(look.body, np.float32) * (round_light * (0.98 - 0.42 * under_chin))[..., None]
         + 2.5 * cv2.GaussianBlur(fine, (0, 0), 1)[..., None]
     )
 
@@ -132,7 +134,7 @@ def backdrop_and_body(width: int, height: int) -> tuple[np.ndarray, np.ndarray]:
     knit = 5 * np.sin(x * 2.1) * np.sin(y * 1.05) + 3 * fine
     rib = np.clip(1 - np.abs(y - edge - 5) / 6, 0, 1)
     shade = 1 + 5.0 * folds - 0.10 * rib - 0.25 * np.exp(-np.maximum(y - edge, 0) / 2.5)
-    wool = np.array([52, 72, 88], np.float32) * shade[..., None] + knit[..., None]
+    wool = np.array(look.wool, np.float32) * shade[..., None] + knit[..., None]
 
     colours = skin + cloth[..., None] * (wool - skin)
     coverage = np.maximum(neck, cloth)

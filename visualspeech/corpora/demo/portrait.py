@@ -14,6 +14,7 @@ from functools import lru_cache
 import numpy as np
 
 from visualspeech.corpora.demo import painting
+from visualspeech.corpora.demo.characters import Look
 from visualspeech.corpora.demo.warp import evaluate, grid, thin_plate
 
 WIDTH, HEIGHT = 320, 360
@@ -104,9 +105,9 @@ class Portrait:
     body: np.ndarray
 
 
-@lru_cache(maxsize=1)
-def portrait() -> Portrait:
-    """The images of the demo speaker; made once per process, in about a second."""
+@lru_cache(maxsize=2)
+def portrait(look: Look) -> Portrait:
+    """The images of a demo speaker; made once per process, in about a second."""
     import cv2
     import skimage.data
 
@@ -115,10 +116,10 @@ def portrait() -> Portrait:
     coverage = _remap(cv2, _coverage(cv2, photograph), maps)
     colours = _remap(cv2, photograph, maps)
     hair, skin = _regions(cv2, colours)
-    colours = _recoloured(cv2, colours, hair, skin)
-    colours = painting.paint_face(colours, neutral_points(), seam, SCALE)
+    colours = _recoloured(cv2, colours, hair, skin, look)
+    colours = painting.paint_face(colours, neutral_points(), seam, SCALE, look)
     head = np.dstack([colours, 255.0 * coverage])[:, ::-1]  # mirrored
-    backdrop, body = painting.backdrop_and_body(WIDTH, HEIGHT)
+    backdrop, body = painting.backdrop_and_body(WIDTH, HEIGHT, look)
     return Portrait(np.ascontiguousarray(np.clip(head + 0.5, 0, 255)).astype(np.uint8), backdrop, body)
 
 
@@ -197,11 +198,11 @@ def _regions(cv2, colours: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     return 1.0 - skin, skin
 
 
-def _recoloured(cv2, colours: np.ndarray, hair: np.ndarray, skin: np.ndarray) -> np.ndarray:
+def _recoloured(cv2, colours: np.ndarray, hair: np.ndarray, skin: np.ndarray, look: Look) -> np.ndarray:
     grey = colours @ np.array([0.3, 0.59, 0.11], np.float32)
     detail = grey - cv2.GaussianBlur(grey, (0, 0), 12)
-    dark = (18 + 0.22 * grey + 0.30 * detail)[..., None] * np.array([1.12, 0.97, 0.88], np.float32)
+    dark = (look.hair_light + 0.22 * grey + 0.30 * detail)[..., None] * np.array(look.hair, np.float32)
     smooth = cv2.bilateralFilter(colours, 9, 18, 5)
-    tanned = smooth * np.array([0.90, 0.83, 0.74], np.float32) + np.array([4, 2, 4], np.float32)
+    tanned = smooth * np.array(look.skin, np.float32) + np.array([4, 2, 4], np.float32)
     tanned = 128 + 1.06 * (tanned - 128)
     return hair[..., None] * dark + skin[..., None] * tanned

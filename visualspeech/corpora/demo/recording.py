@@ -1,4 +1,4 @@
-"""Recordings of the demo speaker: video with sound, a transcript beside it, and the ground truth in one file."""
+"""Recordings of the demo speakers: video with sound, a transcript beside it, and the ground truth in one file."""
 
 import zlib
 from collections.abc import Iterable
@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from visualspeech.corpora.demo.articulation import PARAMETERS
+from visualspeech.corpora.demo.characters import CHARACTERS, EMOTIONS, MOVEMENTS, Character, Emotion
 from visualspeech.corpora.records import Utterance
 from visualspeech.fields import MAX_SEED, Settings, setting
 from visualspeech.jobs import progress
@@ -20,6 +21,8 @@ CONSENT = (
     "The face is nobody's: made by rule from a public-domain photograph and no longer that person's; "
     "the voice is synthetic. Free to use."
 )
+
+_FAST = "veryfast"  # preset of x264: half of the time of a recording is its encoding
 
 
 @dataclass(frozen=True)
@@ -52,6 +55,8 @@ class Truth:
     closed_eyes : (T,) 0 open to 1 closed
     phones, words : (label, start, end) in seconds; phones cover the recording without gaps
     duration : of the recording in seconds
+    expression : (T, M) amounts of the movements of an emotion, in the order of ``characters.MOVEMENTS``; None in a
+        corpus without emotions
     """
 
     parameters: np.ndarray
@@ -63,6 +68,7 @@ class Truth:
     phones: tuple[tuple[str, float, float], ...]
     words: tuple[tuple[str, float, float], ...]
     duration: float
+    expression: np.ndarray | None = None
 
 
 def record_shard(
@@ -83,13 +89,14 @@ def record_shard(
     utterances = list(utterances)
     settings = settings or DemoSettings()
     Path(folder).mkdir(parents=True, exist_ok=True)
-    renderer = None
+    renderers = {}
     with ArrayWriter(truth_path, kind="truth of the demo corpus", width=320, height=360) as out:
         for utterance in progress(utterances, len(utterances), "recordings"):
-            if renderer is None:
+            if utterance.speaker not in renderers:
                 from visualspeech.corpora.demo.rendering import Renderer
 
-                renderer = Renderer()
+                renderers[utterance.speaker] = Renderer(character_of(utterance))
+            renderer = renderers[utterance.speaker]
             truth = record(utterance, media_path(folder, utterance.id), settings, renderer)
             add_truth(out, utterance.id, truth, settings.rate)
 
@@ -99,30 +106,40 @@ def record(utterance: Utterance, path: str | Path, settings: DemoSettings | None
 
     Parameters
     ----------
-    renderer : a :class:`visualspeech.corpora.demo.rendering.Renderer` to reuse; default: a new one
+    renderer : a :class:`visualspeech.corpora.demo.rendering.Renderer` of the speaker to reuse; default: a new one
     """
     from visualspeech.corpora.demo import articulation, motion
+    from visualspeech.corpora.demo.expression import course
     from visualspeech.corpora.demo.rendering import Renderer, image_points
     from visualspeech.media.encoding import write_video
     from visualspeech.speech.tts import synthesise
 
     settings = settings or DemoSettings()
-    renderer = renderer or Renderer()
-    random = np.random.default_rng([settings.seed, zlib.crc32(utterance.id.encode())])
-    speech = synthesise(utterance.transcript, rate_wpm=settings.rate_wpm, pitch=settings.pitch)
-    samples, phones, words = _padded(speech, settings, random)
+    character, emotion = character_of(utterance), EMOTIONS.get(utterance.emotion, Emotion())
+    renderer = renderer or Renderer(character)
+    seeds = [settings.seed, zlib.crc32(utterance.id.encode())]
+    random = np.random.default_rng(seeds)
+    pitch = int(np.clip(settings.pitch + character.pitch + emotion.pitch, 0, 100))
+    rate_wpm = int(np.clip(round(settings.rate_wpm * character.rate * emotion.rate), 80, 450))
+    speech = synthesise(utterance.transcript, character.voice, rate_wpm, pitch)
+    samples, phones, words = _padded(speech, settings, random, emotion.level)
     duration = len(samples) / speech.rate
     times = frame_times(frames_in(duration, settings.rate), settings.rate)
-    parameters = articulation.movement(phones, times, settings.articulation)
+    parameters = articulation.movement(phones, times, settings.articulation * emotion.articulation)
     moves = motion.draw(times, random)
-    points = [image_points(parameters[t], moves, t) for t in range(len(times))]
+    expression, amounts = None, [{}] * len(times)
+    if utterance.emotion:
+        expression = course(emotion, words, phones, times, np.random.default_rng([*seeds, 1]))
+        amounts = [dict(zip(MOVEMENTS, map(float, row), strict=True)) for row in expression]
+    points = [image_points(parameters[t], moves, t, character, amounts[t]) for t in range(len(times))]
     write_video(
         path,
-        (renderer.frame(parameters[t], moves, t) for t in range(len(times))),
+        (renderer.frame(parameters[t], moves, t, amounts[t]) for t in range(len(times))),
         settings.rate,
         samples.astype(np.float32) / 32768,
         speech.rate,
         {"comment": f"Synthetic speaker of the demo corpus. {CONSENT}", "title": utterance.id},
+        preset=_FAST if utterance.emotion else "medium",
     )
     write_text(Path(path).with_suffix(".txt"), utterance.transcript + "\n")
     return Truth(
@@ -135,10 +152,18 @@ def record(utterance: Utterance, path: str | Path, settings: DemoSettings | None
         phones=phones,
         words=words,
         duration=duration,
+        expression=expression,
     )
 
 
-def _padded(speech, settings: DemoSettings, random: np.random.Generator) -> tuple[np.ndarray, tuple, tuple]:
+def character_of(utterance: Utterance) -> Character:
+    """The speaker of an utterance; one that is no demo speaker has the face and voice of the first."""
+    return CHARACTERS.get(utterance.speaker, CHARACTERS["demo"])
+
+
+def _padded(
+    speech, settings: DemoSettings, random: np.random.Generator, level: float = 1.0
+) -> tuple[np.ndarray, tuple, tuple]:
     """Samples, phones and words of the speech with silence before and after it and quiet noise throughout.
 
     The duration is a whole number of frames; the times of phones and words count from the first sample.
@@ -147,7 +172,7 @@ def _padded(speech, settings: DemoSettings, random: np.random.Generator) -> tupl
     frames = int(np.ceil((len(speech.samples) + 2 * lead) / speech.rate * settings.rate))
     total = int(round(frames / settings.rate * speech.rate))
     sound = random.normal(0.0, settings.noise, total)
-    sound[lead : lead + len(speech.samples)] += 0.7 * speech.samples
+    sound[lead : lead + len(speech.samples)] += 0.7 * level * speech.samples
     offset, duration = lead / speech.rate, total / speech.rate
     inner = [(phone, start + offset, end + offset) for phone, start, end in speech.phones]
     phones = [(SILENCE, 0.0, inner[0][1]), *inner, (SILENCE, inner[-1][2], duration)]
@@ -173,6 +198,10 @@ def add_truth(out: ArrayWriter, utterance_id: str, truth: Truth, rate: float) ->
         "phone_times": np.array([times for _, *times in truth.phones]),
         "word_times": np.array([times for _, *times in truth.words]).reshape(-1, 2),
     }
+    expressed = {}
+    if truth.expression is not None:
+        arrays["expression"] = truth.expression
+        expressed["expression_names"] = " ".join(MOVEMENTS)
     units = {"points": "px", "frontal": "px", "rotation": "rad", "translation": "px", "phone_times": "s"}
     units |= {"word_times": "s"}
     out.add(
@@ -184,6 +213,7 @@ def add_truth(out: ArrayWriter, utterance_id: str, truth: Truth, rate: float) ->
         words=" ".join(word for word, *_ in truth.words),
         parameter_names=" ".join(PARAMETERS),
         duration=truth.duration,
+        **expressed,
     )
 
 
@@ -198,4 +228,4 @@ def read_truth(reader: ArrayReader, utterance_id: str) -> Truth:
         for name, times in (("phones", "phone_times"), ("words", "word_times"))
     ]
     names = ("parameters", "points", "frontal", "rotation", "translation", "closed_eyes")
-    return Truth(*(arrays[name] for name in names), *tiers, float(attributes["duration"]))
+    return Truth(*(arrays[name] for name in names), *tiers, float(attributes["duration"]), arrays.get("expression"))

@@ -1,8 +1,12 @@
 """Rendering of the frames of the demo speaker."""
 
+from collections.abc import Mapping
+
 import numpy as np
 
 from visualspeech.corpora.demo import camera, mouth
+from visualspeech.corpora.demo.characters import CHARACTERS, Character
+from visualspeech.corpora.demo.deformation import deformed, restored
 from visualspeech.corpora.demo.motion import Motion
 from visualspeech.corpora.demo.portrait import HEIGHT, MIDDLE, SCALE, WIDTH, above_seam, portrait, seam
 
@@ -12,23 +16,30 @@ _EYES = ((37, 38, 40, 41, 36, 39), (43, 44, 46, 47, 42, 45))
 _LID_TRAVEL = 14.0
 
 
-def image_points(parameters: np.ndarray, motion: Motion, frame: int) -> tuple[np.ndarray, np.ndarray]:
+def image_points(
+    parameters: np.ndarray,
+    motion: Motion,
+    frame: int,
+    character: Character = CHARACTERS["demo"],
+    expression: Mapping[str, float] | None = None,
+) -> tuple[np.ndarray, np.ndarray]:
     """True positions of the 68 points in the canonical (frontal) image and in the frame, each (68, 2) pixels."""
     canonical = mouth.points(parameters)
     for top_outer, top_inner, low_inner, low_outer, *_ in _EYES:
         for top, low in ((top_outer, low_outer), (top_inner, low_inner)):
             canonical[top, 1] += motion.closed_eyes[frame] * (canonical[low, 1] - canonical[top, 1])
+    canonical = deformed(canonical, character.proportions, expression or {})
     return canonical, camera.project(canonical, motion.rotation[frame], motion.translation[frame])
 
 
 class Renderer:
-    """Renders frames; the images of the speaker are loaded once."""
+    """Renders frames of one speaker; his images are loaded once."""
 
-    def __init__(self) -> None:
+    def __init__(self, character: Character = CHARACTERS["demo"]) -> None:
         import cv2
 
-        self._cv2 = cv2
-        images = portrait()
+        self._cv2, self._proportions = cv2, character.proportions
+        images = portrait(character.look)
         # Sampled at half its resolution, the image would alias without a little smoothing.
         self._head = cv2.GaussianBlur(images.head, (0, 0), 0.55)
         cover = images.body[..., 3:] / 255.0
@@ -40,7 +51,9 @@ class Renderer:
         y = (np.arange(_CELLS[1]) - 0.5) * _STEP - 0.5
         self._nodes = np.stack([np.tile(x, len(y)), np.repeat(y, len(x))], axis=1)
 
-    def frame(self, parameters: np.ndarray, motion: Motion, index: int) -> np.ndarray:
+    def frame(
+        self, parameters: np.ndarray, motion: Motion, index: int, expression: Mapping[str, float] | None = None
+    ) -> np.ndarray:
         """One frame, (HEIGHT, WIDTH, 3) uint8 RGB.
 
         Parameters
@@ -48,10 +61,12 @@ class Renderer:
         parameters : (6,) mouth parameters of this frame
         motion : movement of the utterance
         index : number of the frame
+        expression : movement of the face -> its amount in this frame
         """
         cv2 = self._cv2
         rotation, translation = motion.rotation[index], motion.translation[index]
         canonical = camera.unproject(self._nodes, rotation, translation)
+        canonical = restored(canonical, self._proportions, expression or {})
         reached = (canonical[:, 1] > mouth.TOP) & (np.abs(canonical[:, 0] - MIDDLE) < mouth.REACH)
         upper, lower = canonical.copy(), canonical.copy()
         upper[reached], lower[reached] = mouth.MouthWarp(parameters)(canonical[reached])
@@ -60,7 +75,7 @@ class Renderer:
             upper = self._with_lids(upper, self._dense(canonical), motion.closed_eyes[index])
 
         head = self._sample(upper)
-        box = self._box(rotation, translation)
+        box = self._box(rotation, translation, expression or {})
         lower, canonical = (self._dense(field)[box] for field in (lower, canonical))
         head[box] = self._with_mouth(head[box], upper[box], lower, canonical, parameters)
         sway = np.float32([[1, 0, 0.35 * translation[0]], [0, 1, 0.2 * translation[1]]])
@@ -92,10 +107,16 @@ class Renderer:
             self._head, pixels, None, self._cv2.INTER_LINEAR, borderMode=self._cv2.BORDER_CONSTANT
         ).astype(np.float32)
 
-    def _box(self, rotation: np.ndarray, translation: np.ndarray) -> tuple[slice, slice]:
+    def _box(self, rotation: np.ndarray, translation: np.ndarray, expression: Mapping) -> tuple[slice, slice]:
         """Rows and columns of the frame that the moving lower face can cover."""
         left, top, right, bottom = MIDDLE - mouth.REACH, mouth.TOP, MIDDLE + mouth.REACH, mouth.BOTTOM
         corners = np.array([[left, top], [right, top], [left, bottom], [right, bottom], [MIDDLE, top]], float)
+        if self._proportions or expression:  # curved sides bulge between the corners
+            x, y = np.linspace(left, right, 13), np.linspace(top, bottom, 13)
+            corners = np.concatenate(
+                [[(a, b) for a in x for b in (top, bottom)], [(a, b) for a in (left, right) for b in y]]
+            )
+            corners = deformed(corners, self._proportions, expression)
         seen = camera.project(corners, rotation, translation)
         x0, y0 = np.maximum(np.floor(seen.min(axis=0)).astype(int), 0)
         x1, y1 = np.ceil(seen.max(axis=0)).astype(int) + 1

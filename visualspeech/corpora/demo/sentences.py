@@ -1,4 +1,4 @@
-"""The sentences of the demo speaker, written for this corpus with many mouth closures and rounded vowels."""
+"""The sentences of the demo speakers, written for these corpora with many mouth closures and rounded vowels."""
 
 SENTENCES = (
     "My brother Paul keeps a big brown bear in the barn.",
@@ -65,4 +65,32 @@ SENTENCES = (
     "A genuine treasure lies hidden in the garage.",
     "Sue knew who threw two new spoons through the roof.",
     "Pick a bunch of ripe plums before the rain begins.",
+)
+
+#: Short ones, for corpora in which every speaker says each of them with some emotion.
+SHORT_SENTENCES = (
+    "Mum made plum jam.",
+    "Bob found a blue boat.",
+    "We saw five big fish.",
+    "Please open the box.",
+    "My brother bought bread.",
+    "The farmer fed the pony.",
+    "You forgot your map.",
+    "Put the pepper on top.",
+    "Paul moved the lamp.",
+    "They left before noon.",
+    "Show me the photo.",
+    "Buy some warm milk.",
+    "Both boys jumped over.",
+    "I heard the bell ring.",
+    "Peter wrote a poem.",
+    "She keeps a brown bag.",
+    "Give the puppy a bath.",
+    "The bus came at five.",
+    "Few people were home.",
+    "Shut the window, Tom.",
+    "A purple bird flew by.",
+    "We built a wooden bridge.",
+    "Her voice was calm.",
+    "Move the chair back.",
 )

@@ -165,7 +165,12 @@ class Aam:
         v = np.asarray(appearance, np.float32)
         return self.shape_mean + v @ self.shape_basis, self.texture_mean + v @ self.texture_basis
 
-    def decode_points(self, appearance: np.ndarray) -> np.ndarray:
+    @property
+    def regions(self) -> dict[str, tuple[int, ...]]:
+        """No regions: a parameter moves the whole face."""
+        return {}
+
+    def decode_points(self, appearance: np.ndarray, speaker: str = "") -> np.ndarray:
         """Points (T, N, 2) of the normalised face for parameters v (T, N) (Eq. 7), without drift."""
         return to_points(self.shape_mean + np.asarray(appearance) @ self.shape_basis)
 

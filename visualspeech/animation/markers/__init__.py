@@ -1,0 +1,1 @@
+"""Faces as points: controls for other animation systems, and drawings with sound."""
