@@ -22,7 +22,11 @@ pathvars:
     results=SETTINGS["results"],
     corpus=f"<results>/{{corpus,{one_of(PLAN.corpora)}}}",
     coding=f"<corpus>/codings/{{coding,{one_of(SETTINGS['codings'])}}}",
+    aam=f"<corpus>/codings/{{coding,{one_of(codings_of_kind('aam'))}}}",
+    markers=f"<corpus>/codings/{{coding,{one_of(codings_of_kind('markers'))}}}",
     system=f"<corpus>/{{system,{one_of(SETTINGS['systems'])}}}",
+    aam_system=f"<corpus>/{{system,{one_of(systems_of_kind('aam'))}}}",
+    marker_system=f"<corpus>/{{system,{one_of(systems_of_kind('markers'))}}}",
     model="<system>/models/{model}",
 
 
@@ -43,13 +47,16 @@ include: "workflow/rules/demo.smk"
 include: "workflow/rules/alignment.smk"
 include: "workflow/rules/landmarks.smk"
 include: "workflow/rules/pose.smk"
+include: "workflow/rules/motion.smk"
 include: "workflow/rules/coding.smk"
+include: "workflow/rules/markers.smk"
 include: "workflow/rules/features.smk"
 include: "workflow/rules/models.smk"
 include: "workflow/rules/tables.smk"
 include: "workflow/rules/figures.smk"
 include: "workflow/rules/visemes.smk"
 include: "workflow/rules/videos.smk"
+include: "workflow/rules/marker_videos.smk"
 include: "workflow/rules/preference.smk"
 include: "workflow/rules/speak.smk"
 include: "workflow/rules/report.smk"
@@ -67,6 +74,7 @@ localrules:
     alignment,
     landmarks,
     pose,
+    motion,
     coding,
     features,
     models,
@@ -98,12 +106,18 @@ rule alignment:
 
 rule landmarks:
     input:
-        for_corpora("<corpus>/landmarks/{shard}.h5"),
+        for_corpora("<corpus>/landmarks/{shard}.h5", need="video"),
 
 
 rule pose:
     input:
-        for_corpora("<corpus>/pose/{shard}.h5"),
+        for_corpora("<corpus>/pose/{shard}.h5", need="video"),
+        for_corpora("<corpus>/utterances.tsv"),
+
+
+rule motion:
+    input:
+        for_corpora("<corpus>/motion/{shard}.h5", need="motion"),
         for_corpora("<corpus>/utterances.tsv"),
 
 
@@ -160,12 +174,12 @@ rule viseme_numbers:
 
 rule preference:
     input:
-        for_systems("<system>/preference/videos"),
+        for_pictured("<system>/preference/videos"),
 
 
 rule tally:
     input:
-        for_systems("<system>/tables/preference.tsv"),
+        for_pictured("<system>/tables/preference.tsv"),
 
 
 rule report:

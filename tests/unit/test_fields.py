@@ -15,8 +15,10 @@ from visualspeech.animation.video_settings import VideoSettings
 from visualspeech.animation.walk import WalkSettings
 from visualspeech.corpora.check_settings import CheckSettings
 from visualspeech.corpora.demo.recording import DemoSettings
+from visualspeech.corpora.motion_settings import MotionSettings
 from visualspeech.errors import SettingError, StorageError
 from visualspeech.evaluation.comparisons import ComparisonSettings
+from visualspeech.evaluation.region_settings import EmotionSettings, RegionTableSettings
 from visualspeech.evaluation.selection_settings import SelectionSettings
 from visualspeech.evaluation.statistics import BootstrapSettings
 from visualspeech.evaluation.tables import TableSettings
@@ -26,6 +28,7 @@ from visualspeech.face.aam.model import AamSettings
 from visualspeech.face.aam.reference import ReferenceSettings
 from visualspeech.face.drift import DriftSettings
 from visualspeech.face.head import PoseSettings
+from visualspeech.face.marker_coding import MarkerSettings
 from visualspeech.face.screening import ScreeningSettings
 from visualspeech.face.tracker import LandmarkSettings
 from visualspeech.features.blocks.base import block_class, block_kinds
@@ -39,6 +42,7 @@ from visualspeech.features.blocks.phone_classes import PhoneClassesSettings
 from visualspeech.features.blocks.phone_track import PhoneTrackSettings
 from visualspeech.features.blocks.triphone_state import TriphoneStateSettings
 from visualspeech.features.blocks.viseme_context import VisemeContextSettings
+from visualspeech.features.speech_block import SpeechSettings
 from visualspeech.fields import (
     MAX_SEED,
     FieldError,
@@ -54,6 +58,7 @@ from visualspeech.models.combined_settings import EnsembleSettings, GvCompensati
 from visualspeech.models.dnn_settings import DnnSettings
 from visualspeech.models.families import FAMILIES
 from visualspeech.models.hmm.model import HmmSettings
+from visualspeech.models.joint_settings import JointSettings
 from visualspeech.models.lookup_settings import LookupSettings
 from visualspeech.models.stack_settings import MAX_LAYERS, StackSettings
 from visualspeech.models.training_settings import TrainingSettings
@@ -64,14 +69,16 @@ from visualspeech.speech.spoken_settings import VoiceSettings
 
 CLASSES = [
     AamSettings, AlignmentSettings, BootstrapSettings, CheckSettings, ComparisonSettings, DemoSettings, DnnSettings,
-    DriftSettings, DynamicVisemesSettings, EnsembleSettings, FittingSettings, FullContextSettings,
-    GvCompensationSettings, HmmSettings, LabelPartsSettings, LandmarkSettings, LinguisticSettings, LogMelSettings,
-    LookupSettings, PhoneClassesSettings, PhoneSettings, PhoneTrackSettings, PoseSettings, ReferenceSettings,
-    RenderSettings, ScreeningSettings, SelectionSettings, SpeakSettings, StackSettings, TableSettings, TrainingSettings,
+    DriftSettings, DynamicVisemesSettings, EmotionSettings, EnsembleSettings, FittingSettings, FullContextSettings,
+    GvCompensationSettings, HmmSettings, JointSettings, LabelPartsSettings, LandmarkSettings, LinguisticSettings,
+    LogMelSettings, LookupSettings, MarkerSettings, MotionSettings, PhoneClassesSettings, PhoneSettings,
+    PhoneTrackSettings, PoseSettings, ReferenceSettings, RegionTableSettings, RenderSettings, ScreeningSettings,
+    SelectionSettings, SpeakSettings, SpeechSettings, StackSettings, TableSettings, TrainingSettings,
     TrajectorySettings, TriphoneStateSettings, VideoSettings, VisemeContextSettings, VisemeNumberSettings,
     VoiceSettings, WalkSettings,
 ]  # fmt: skip
-HEAVY = {"av", "torch", "cv2", "dlib", "pandas", "scipy", "matplotlib", "h5py", "pocketsphinx", "jsonschema"}
+HEAVY = {"av", "torch", "cv2", "dlib", "pandas", "scipy", "matplotlib", "h5py", "pocketsphinx", "jsonschema",
+         "parselmouth", "opensmile"}  # fmt: skip
 BESIDE = {"minimum": -1, "above": 0, "maximum": 1, "below": 0}  # how far outside a bound a value is
 
 
@@ -181,7 +188,8 @@ def test_class_and_schema_refuse_the_same(cls):
             assert not accepted_by_schema(cls, name, value), (name, value)
         for bound in set(metadata) & {"minimum", "maximum"}:
             assert accepted_by_schema(cls, name, metadata[bound]), name
-            if cls is not AamSettings:  # two images are not enough for the components asked for
+            # Two images are not enough for the components asked for, one BLSTM layer for the shared layers.
+            if cls not in (AamSettings, JointSettings):
                 assert accepted_by_class(cls, name, metadata[bound]), name
 
 

@@ -372,13 +372,13 @@ def test_planning_imports_nothing_heavy():
         f"print(*({HEAVY!r} & set(sys.modules)))"
     )
     done = subprocess.run([sys.executable, "-c", code], cwd=REPOSITORY, capture_output=True, text=True, check=True)
-    assert done.stdout.split() == [] and len(modules) == 6
+    assert done.stdout.split() == [] and len(modules) > 5
 
 
 def test_the_examples_of_the_reference_are_taken():
     blocks = (CONFIG / "README.md").read_text().split("```yaml\n")[1:]
     examples = [yaml.safe_load(block.split("```")[0]) for block in blocks]
-    assert len(examples) == 5
+    assert len(examples) == 6
     for example in examples:
         example.pop("corpora", None)
         if set(example) == {"models"}:

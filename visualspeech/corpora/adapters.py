@@ -26,7 +26,21 @@ def _demo(corpus: Mapping) -> list[Utterance]:
     return utterances(corpus)
 
 
-ADAPTERS = {"folder": _folder, "grid": _grid, "demo": _demo}
+def _iemocap(corpus: Mapping) -> list[Utterance]:
+    from visualspeech.corpora.iemocap import utterances
+
+    return utterances(corpus)
+
+
+def _mocap(corpus: Mapping) -> list[Utterance]:
+    from visualspeech.corpora.mocap import utterances
+
+    return utterances(corpus)
+
+
+ADAPTERS = {"folder": _folder, "grid": _grid, "demo": _demo, "iemocap": _iemocap, "mocap": _mocap}
+#: Those whose faces are recorded as motion capture, without video.
+MOTION_ADAPTERS = ("iemocap", "mocap")
 
 
 def list_utterances(corpus: Mapping) -> list[Utterance]:
@@ -34,7 +48,7 @@ def list_utterances(corpus: Mapping) -> list[Utterance]:
 
     Parameters
     ----------
-    corpus : settings. ``name`` and ``adapter`` (``folder``, ``grid`` or ``demo``) are required. ``limit`` keeps that
+    corpus : settings. ``name`` and ``adapter`` (a key of :data:`ADAPTERS`) are required. ``limit`` keeps that
         many utterances, chosen by a hash of their ids, for a trial run. Other settings are those of the adapter.
 
     Raises
@@ -63,7 +77,7 @@ def _check(utterances: list[Utterance]) -> None:
     seen: dict[str, Utterance] = {}
     # Some file systems do not distinguish names that differ only in case.
     for one in utterances:
-        check_id(one.id, one.media)
+        check_id(one.id, one.file)
         if one.id.lower() in seen:
             other = seen[one.id.lower()]
             raise CorpusError(
@@ -74,10 +88,10 @@ def _check(utterances: list[Utterance]) -> None:
         seen[one.id.lower()] = one
         if one.split and one.split not in SPLITS:
             raise CorpusError(
-                f"{one.media}: the split of utterance {one.id} is {one.split!r}; give one of {', '.join(SPLITS)}, or "
+                f"{one.file}: the split of utterance {one.id} is {one.split!r}; give one of {', '.join(SPLITS)}, or "
                 "leave the column out to have the workflow split the corpus."
             )
 
 
 def _location(one: Utterance) -> str:
-    return f"{one.media} ({one.start:g}-{one.end:g} s)" if one.end or one.start else one.media
+    return f"{one.file} ({one.start:g}-{one.end:g} s)" if one.end or one.start else one.file

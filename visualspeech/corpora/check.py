@@ -17,6 +17,7 @@ from visualspeech.corpora.findings import WARN, Finding, attempt, rejection
 from visualspeech.corpora.records import Utterance
 from visualspeech.errors import RejectedUtterance
 from visualspeech.media import reading
+from visualspeech.provenance import file_digest
 from visualspeech.timing import frames_in
 
 STAGE = "check"
@@ -48,6 +49,9 @@ def check_recording(
 ) -> CheckedRecording:
     """Check the transcript, video and sound of one utterance, and whether their durations match.
 
+    Where the face was recorded as motion capture there is no video; its file is checked where it is read
+    (:mod:`visualspeech.corpora.motion`).
+
     Parameters
     ----------
     utterance : the recording and its transcript
@@ -63,23 +67,32 @@ def check_recording(
     digest, frames = "", 0
 
     def warn(finding: str, remedy: str) -> None:
-        findings.append(Finding(utterance.id, STAGE, WARN, utterance.media, finding, remedy))
+        findings.append(Finding(utterance.id, STAGE, WARN, utterance.file, finding, remedy))
 
     def samples() -> np.ndarray:
         nonlocal digest, frames
         if utterance.problem:
             raise RejectedUtterance(utterance.problem, utterance.remedy)
-        _check_exists(utterance.media)
+        if utterance.warning:
+            warn(utterance.warning, utterance.remedy)
+        for path in filter(None, (utterance.media, utterance.motion, utterance.audio)):
+            _check_exists(path, "" if path == utterance.file else f" {os.path.basename(path)}")
         if text:
             _check_transcript(utterance)
-        info = reading.probe(utterance.media)
-        scan = reading.scan_video(utterance.media, utterance.start, utterance.end)
-        frames = scan.frames
+        if utterance.media:
+            info = reading.probe(utterance.media)
+            scan = reading.scan_video(utterance.media, utterance.start, utterance.end)
+            frames, content, sound_rate = scan.frames, scan.digest, info.audio_rate
+        else:
+            content, sound_rate = file_digest(utterance.motion), reading.sound_rate(utterance.sound)
         sound = reading.read_audio(utterance.sound, RATE, utterance.start, utterance.end)
-        digest = hashlib.sha256(scan.digest.encode() + sound.tobytes()).hexdigest()[:32]
-        _check_durations(utterance, scan, info, len(sound) / RATE, settings, warn)
-        _check_frames(scan, info, settings, warn)
-        _check_sound(sound, info, settings, warn)
+        digest = hashlib.sha256(content.encode() + sound.tobytes()).hexdigest()[:32]
+        if utterance.media:
+            _check_durations(utterance, scan, info, len(sound) / RATE, settings, warn)
+            _check_frames(scan, info, settings, warn)
+        elif len(sound) / RATE < settings.min_seconds:
+            raise RejectedUtterance(f"only {len(sound) / RATE:.2f} s of sound", "Record again, or leave it out.")
+        _check_sound(sound, sound_rate, settings, warn)
         unknown = unknown_words(utterance.transcript)
         if unknown:
             warn(
@@ -92,19 +105,19 @@ def check_recording(
     return CheckedRecording(found.value, found.rejected, [*found.findings, *findings], digest, frames)
 
 
-def _check_exists(media: str) -> None:
+def _check_exists(media: str, name: str = "") -> None:
     if os.path.isfile(media):
         return
     if not os.path.lexists(media):
-        raise RejectedUtterance("the file does not exist", "Restore it, or remove it from the corpus's table.")
+        raise RejectedUtterance(f"the file{name} does not exist", "Restore it, or remove it from the corpus's table.")
     what = "is a folder" if os.path.isdir(media) else "is no regular file, or a link to a file that does not exist"
-    raise RejectedUtterance(f"the recording {what}", "Restore it, or name the file that holds the recording.")
+    raise RejectedUtterance(f"the recording{name} {what}", "Restore it, or name the file that holds the recording.")
 
 
 def _check_transcript(utterance: Utterance) -> None:
     if any(character.isalnum() for character in utterance.transcript):
         return
-    beside = Path(utterance.media).with_suffix(".txt")
+    beside = Path(utterance.file).with_suffix(".txt")
     if utterance.transcript:
         raise RejectedUtterance(
             f"the transcript holds no word: {utterance.transcript!r}",
@@ -227,7 +240,7 @@ def _reaches_its_end(scan: reading.VideoScan, info: reading.MediaInfo) -> bool:
     return info.announced and 0 < announced <= max(scan.times[-1], scan.damaged[-1]) + 1.5 / info.rate
 
 
-def _check_sound(sound: np.ndarray, info: reading.MediaInfo, settings: CheckSettings, warn) -> None:
+def _check_sound(sound: np.ndarray, sound_rate: int, settings: CheckSettings, warn) -> None:
     levels = frame_levels(sound)
     loud = np.percentile(levels, 95) if len(levels) else -np.inf
     if loud < settings.min_level:
@@ -242,9 +255,9 @@ def _check_sound(sound: np.ndarray, info: reading.MediaInfo, settings: CheckSett
             f"audio without speech (its level varies by {spread:.0f} dB, {voiced:.2f} s of speech are detected)",
             "Check that the file has the right audio track, and that start and end are correct.",
         )
-    if 0 < info.audio_rate < settings.warn_sample_rate_below:
+    if 0 < sound_rate < settings.warn_sample_rate_below:
         warn(
-            f"audio at {info.audio_rate / 1000:g} kHz",
+            f"audio at {sound_rate / 1000:g} kHz",
             "The recording is used, but s, f and th are hard to distinguish. Record at 16 kHz or more.",
         )
     clipped = clipped_share(sound)
@@ -316,10 +329,10 @@ def find_duplicates(digests: Mapping[str, str], utterances: Iterable[Utterance])
             other = first[digest]
             differs = "" if utterance.transcript == other.transcript else " with another transcript"
             error = RejectedUtterance(
-                f"the same recording as {other.media} (utterance {other.id}){differs}",
+                f"the same recording as {other.file} (utterance {other.id}){differs}",
                 "Remove one of the two." if not differs else "Remove the one whose transcript is wrong.",
             )
-            findings.append(rejection(utterance.id, STAGE, utterance.media, error))
+            findings.append(rejection(utterance.id, STAGE, utterance.file, error))
         elif digest:
             first[digest] = utterance
     return findings

@@ -164,20 +164,20 @@ def suffix(name: str) -> str:
     return os.path.splitext(name)[1].lower()
 
 
-def recording_fields(path: Path) -> dict[str, str]:
-    """Fields ``media``, ``problem`` and ``remedy`` of an utterance whose recording is a file."""
+def recording_fields(path: Path, field: str = "media") -> dict[str, str]:
+    """Fields ``media`` (or another one), ``problem`` and ``remedy`` of an utterance whose recording is a file."""
     media = displayable(str(path))
     if media == str(path):
-        return {"media": media}
+        return {field: media}
     return {
-        "media": media,
+        field: media,
         "problem": "its file name is not UTF-8 text, or holds a carriage return",
         "remedy": "Rename the file or folder; letters of any script can be used.",
     }
 
 
-def read_bytes(path: str | Path) -> bytes:
-    """The bytes of a file of text.
+def read_bytes(path: str | Path, most: int = MAX_TEXT) -> bytes:
+    """The bytes of a file of text, at most ``most``.
 
     Raises
     ------
@@ -190,8 +190,8 @@ def read_bytes(path: str | Path) -> bytes:
         status = os.fstat(descriptor)
         if not stat.S_ISREG(status.st_mode):
             raise OSError(None, "it is a folder" if stat.S_ISDIR(status.st_mode) else "it is no regular file")
-        if status.st_size > MAX_TEXT:
-            raise OSError(None, f"it is larger than {MAX_TEXT:,} bytes")
+        if status.st_size > most:
+            raise OSError(None, f"it is larger than {most:,} bytes")
         return b"".join(iter(lambda: os.read(descriptor, MAX_TEXT), b""))
     finally:
         os.close(descriptor)

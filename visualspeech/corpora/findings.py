@@ -28,7 +28,7 @@ class Finding:
     Parameters
     ----------
     id : of the utterance
-    stage : of the workflow (check, alignment, landmarks, pose, textures, fitting)
+    stage : of the workflow (check, alignment, landmarks, pose, motion, textures, fitting)
     level : ``reject`` (the run continues without the utterance) or ``warn`` (the utterance is used)
     file : path of the file concerned
     finding : the problem
@@ -91,7 +91,7 @@ def attempt(utterance: Utterance, stage: str, function: Callable, *args, **kwarg
             f"unexpected error: {message}",
             "Convert the recording again, or leave the utterance out. The log of this stage holds the details.",
         )
-    return Outcome(rejected=rejected, findings=(rejection(utterance.id, stage, utterance.media, rejected),))
+    return Outcome(rejected=rejected, findings=(rejection(utterance.id, stage, utterance.file, rejected),))
 
 
 @contextmanager
@@ -106,7 +106,7 @@ def needed(utterance: Utterance) -> Iterator[None]:
     try:
         yield
     except RejectedUtterance as error:
-        raise CorpusError(f"{utterance.media}: {error.reason}. {error.remedy}") from error
+        raise CorpusError(f"{utterance.file}: {error.reason}. {error.remedy}") from error
 
 
 def write_findings(path, findings: Iterable[Finding]) -> None:

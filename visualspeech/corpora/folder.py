@@ -44,10 +44,10 @@ def utterances(corpus: Mapping) -> list[Utterance]:
     """
     root = existing_folder(corpus.get("root"), corpus)
     found = table_utterances(root, corpus) if corpus.get("table") else _of_files(root)
-    return _of_speaker(found, str(corpus.get("speaker") or ""), str(corpus.get("name") or root.name), root)
+    return of_speaker(found, str(corpus.get("speaker") or ""), str(corpus.get("name") or root.name), root)
 
 
-def _of_speaker(utterances: list[Utterance], wanted: str, name: str, root: Path) -> list[Utterance]:
+def of_speaker(utterances: list[Utterance], wanted: str, name: str, root: Path) -> list[Utterance]:
     """The utterances of one speaker, or of all; recordings without a speaker get the wanted one, else ``name``."""
     speakers = sorted({one.speaker for one in utterances if not one.problem})
     if wanted and speakers not in ([], [""]):
@@ -97,14 +97,14 @@ def _of_files(root: Path) -> list[Utterance]:
         Utterance(
             id=legal_id("-".join(video.relative_to(root).with_suffix("").parts)),
             speaker=displayable(speaker_folder(video, root)),
-            **{**_transcript(video), **recording_fields(video)},
+            **{**transcript_beside(video), **recording_fields(video)},
         )
         for video in found.files
     ]
     return listed + list(unreadable_folders(found, root, speaker_folder))
 
 
-def _transcript(video: Path) -> dict[str, str]:
+def transcript_beside(video: Path) -> dict[str, str]:
     """Transcript of a recording from the file beside it; what is wrong with that file, where it cannot be read."""
     for ending in (".txt", ".TXT"):
         path = f"{os.path.splitext(video)[0]}{ending}"

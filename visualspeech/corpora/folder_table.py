@@ -6,7 +6,7 @@ import io
 import os
 import re
 from collections import Counter
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -22,6 +22,9 @@ _CSV_ERRORS = {
     "expected after": "a text follows a closing quote",
     "field larger than field limit": f"a cell has more than {csv.field_size_limit():,} characters",
 }
+#: Files that a row can name; a cell that holds another row names one too.
+_RECORDINGS = VIDEOS | {".csv"}
+_ONE_LINE = ("file", "audio", *OPTIONAL)
 _URL = re.compile(r"[A-Za-z][A-Za-z0-9+.-]+://|(file|data|pipe):", re.IGNORECASE)
 
 
@@ -44,6 +47,22 @@ def table_utterances(root: Path, corpus: Mapping) -> list[Utterance]:
 
     Raises
     ------
+    SettingError, CorpusError
+        As :func:`numbered_rows`; or a cell is invalid.
+    """
+    rows = numbered_rows(root, corpus)
+    return [
+        Utterance(**row_fields(row, number, root), **recording_fields(root / row.cells["file"])) for row, number in rows
+    ]
+
+
+def numbered_rows(
+    root: Path, corpus: Mapping, needed: Sequence[str] = NEEDED, optional: Sequence[str] = OPTIONAL
+) -> list[tuple[Row, int]]:
+    """The rows of the corpus's ``table``, each with the number that tells utterances of one file apart, or 0.
+
+    Raises
+    ------
     SettingError
         There is no such file.
     CorpusError
@@ -55,14 +74,14 @@ def table_utterances(root: Path, corpus: Mapping) -> list[Utterance]:
             f"the table {corpus['table']} of the corpus {corpus.get('name', '?')!r} does not exist. Set `table:` to a "
             f"TSV or CSV file, with a path relative to the root {shown(root)}."
         )
-    rows = read_rows(path)
+    rows = read_rows(path, needed, optional)
     if not rows:
         raise CorpusError(f"the table {path} has no rows. Write one row per recording below its header line.")
     counts = Counter(row.cells["file"] for row in rows)
-    return [_utterance(row, number if counts[row.cells["file"]] > 1 else 0, root) for number, row in enumerate(rows, 1)]
+    return [(row, number if counts[row.cells["file"]] > 1 else 0) for number, row in enumerate(rows, 1)]
 
 
-def read_rows(path: Path) -> list[Row]:
+def read_rows(path: Path, needed: Sequence[str] = NEEDED, optional: Sequence[str] = OPTIONAL) -> list[Row]:
     """The rows of a TSV or CSV file with a header line; rows without any text are left out.
 
     Lines end at a line feed, a carriage return, or both, and nowhere else. In a CSV file quotes enclose a cell, which
@@ -81,7 +100,7 @@ def read_rows(path: Path) -> list[Row]:
     names = [name.lower() for name in lines[0][1]] if lines else []
     while names and not names[-1]:
         names.pop()
-    _check_names(names, path)
+    _check_names(names, path, needed, optional)
     return [Row(where, _cells(where, row, names, delimiter, quoted)) for where, row in lines[1:]]
 
 
@@ -125,8 +144,8 @@ def _cells(where: str, row: list[str], names: list[str], delimiter: str, quoted:
         if "\n" not in cell and "\r" not in cell:
             continue
         lines = re.split(r"[\r\n]+", cell)[1:]
-        swallowed = any(suffix(line.split(delimiter)[0].strip(' "')) in VIDEOS for line in lines if delimiter in line)
-        if swallowed or name in ("file", *OPTIONAL):
+        first = [line.split(delimiter)[0].strip(' "') for line in lines if delimiter in line]
+        if name in _ONE_LINE or any(suffix(one) in _RECORDINGS for one in first):
             raise CorpusError(
                 f"{where}: the cell in the column `{name}` goes on in the next line. Close its quote, or remove the "
                 "line break."
@@ -150,45 +169,52 @@ def _decoded(path: Path) -> str:
     return text
 
 
-def _check_names(names: list[str], path: Path) -> None:
-    for name in NEEDED:
+def _check_names(names: list[str], path: Path, needed: Sequence[str], optional: Sequence[str]) -> None:
+    known = [*needed, *optional]
+    for name in needed:
         if name not in names:
+            wanted = " and ".join(f"`{one}`" for one in needed)
             raise CorpusError(
                 f"the table {path} has no column `{name}` (its columns: {', '.join(names) or 'none'}). Its first line "
-                "must name the columns `file` and `transcript`, separated by tabs or commas."
+                f"must name the column{'s' * (len(needed) > 1)} {wanted}, separated by tabs or commas."
             )
     for name in set(names):
         if names.count(name) > 1:
             raise CorpusError(f"the table {path} has two columns named `{name}`. Remove or rename one.")
-        meant = difflib.get_close_matches(name, NEEDED + OPTIONAL, 1, 0.8)
-        if meant and name not in NEEDED + OPTIONAL and meant[0] not in names:
+        meant = difflib.get_close_matches(name, known, 1, 0.8)
+        if meant and name not in known and meant[0] not in names:
             raise CorpusError(f"the table {path} has a column `{name}`; if `{meant[0]}` is meant, rename it.")
 
 
-def _utterance(row: Row, number: int, root: Path) -> Utterance:
-    """The utterance of a row; with a number, its id ends in it."""
+def row_fields(row: Row, number: int, root: Path) -> dict:
+    """The fields of the utterance of a row but for its files; with a number, its id ends in it.
+
+    Raises
+    ------
+    CorpusError
+        A cell is invalid; the message names file and line.
+    """
     cells, where = row.cells, row.where
-    file = _file(cells["file"], where)
+    file = checked_path(cells["file"], where)
     start, end = (_seconds(cells.get(name, ""), name, where) for name in ("start", "end"))
     if end and end <= start:
         raise CorpusError(f"{where}: `end` {end:g} is not after `start` {start:g}. Give seconds.")
     if cells.get("id"):
         check_id(cells["id"], where)
-    video, stem = root / file, "-".join(Path(file).with_suffix("").parts)
-    return Utterance(
-        id=cells.get("id") or legal_id(f"{stem}-{number:04d}" if number else stem),
-        speaker=cells.get("speaker") or displayable(speaker_folder(video, root)),
-        transcript=one_line(cells["transcript"]),
-        split=cells.get("split", "").lower(),
-        emotion=cells.get("emotion", ""),
-        start=start,
-        end=end,
-        **recording_fields(video),
-    )
+    stem = "-".join(Path(file).with_suffix("").parts)
+    return {
+        "id": cells.get("id") or legal_id(f"{stem}-{number:04d}" if number else stem),
+        "speaker": cells.get("speaker") or displayable(speaker_folder(root / file, root)),
+        "transcript": one_line(cells.get("transcript", "")),
+        "split": cells.get("split", "").lower(),
+        "emotion": cells.get("emotion", ""),
+        "start": start,
+        "end": end,
+    }
 
 
-def _file(cell: str, where: str) -> str:
-    """The cell of the column ``file``: a path, relative to the root or absolute."""
+def checked_path(cell: str, where: str) -> str:
+    """The cell of the column ``file``, as it stands: a path, relative to the root or absolute."""
     if not cell:
         raise CorpusError(f"{where}: the column `file` is empty. Name the recording, or remove the line.")
     if _URL.match(cell):

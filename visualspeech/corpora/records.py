@@ -30,7 +30,8 @@ class Utterance:
     audio : path of a separate sound file; empty if the sound is that of ``media``
     motion : path of the motion capture; empty if there is none
     problem : why the adapter found that the utterance cannot be used; the check rejects it with this reason
-    remedy : what the user can do about the problem
+    remedy : what the user can do about the problem, or about the warning
+    warning : what the adapter found that does not prevent its use; the check reports it
     """
 
     id: str
@@ -45,6 +46,12 @@ class Utterance:
     motion: str = ""
     problem: str = ""
     remedy: str = ""
+    warning: str = ""
+
+    @property
+    def file(self) -> str:
+        """Path of the recorded face, as messages name it: the video, or else the motion capture."""
+        return self.media or self.motion or self.audio
 
     @property
     def sound(self) -> str:

@@ -64,7 +64,7 @@ def _given_split(utterances: list[Utterance]) -> dict[str, str]:
     without = [one for one in utterances if not one.split]
     if without:
         raise CorpusError(
-            f"{without[0].media}: utterance {without[0].id} has no split, while others have one "
+            f"{without[0].file}: utterance {without[0].id} has no split, while others have one "
             f"({len(without)} of {len(utterances)} are without). Give all utterances a split, or none."
         )
     for name in SPLITS:

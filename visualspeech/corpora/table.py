@@ -6,9 +6,10 @@ from dataclasses import asdict, fields
 from visualspeech.corpora.records import Utterance
 from visualspeech.storage.tables import read_table, write_table
 
-TEXT = ("id", "speaker", "media", "transcript", "split", "emotion", "audio", "motion", "problem", "remedy")
-#: Columns that a table has only where an utterance of it has a problem.
-OF_PROBLEM = ("problem", "remedy")
+TEXT = ("id", "speaker", "media", "transcript", "split", "emotion", "audio", "motion", "problem", "remedy",
+        "warning")  # fmt: skip
+#: Columns that a table has only where an utterance of it has a problem or a warning.
+OF_PROBLEM = ("problem", "remedy", "warning")
 
 
 def read_utterances(path) -> list[Utterance]:
@@ -23,7 +24,9 @@ def write_utterances(path, rows: Iterable[Mapping]) -> None:
     import pandas
 
     rows = [dict(row) for row in rows]
-    left_out = ("split",) if any(row.get("problem") for row in rows) else ("split", *OF_PROBLEM)
+    left_out = ["split"]
+    if not any(row.get("problem") or row.get("warning") for row in rows):
+        left_out += OF_PROBLEM
     columns = [field.name for field in fields(Utterance) if field.name not in left_out]
     write_table(path, pandas.DataFrame(rows, columns=columns))
 

@@ -1,6 +1,11 @@
-"""Comparison of the systems of one corpus in the measures that are comparable between them."""
+"""All systems of one corpus in one table: what a user chooses by.
 
-from collections.abc import Collection, Sequence
+The first table measures decoded lips against the tracked ones at the frames of the camera, in units that all systems
+share (:mod:`visualspeech.evaluation.lip_metrics`). The second one measures the parameters of each visual coding against
+those of the recorded face, on the same frames.
+"""
+
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -18,8 +23,10 @@ from visualspeech.evaluation.layout import (
     oracle_note,
     shown,
 )
+from visualspeech.evaluation.lip_metrics import ACROSS, COSTS, DIGITS
+from visualspeech.evaluation.lip_statistics import recorded_closures
 from visualspeech.evaluation.measured import MeasuredRows, check_same_utterances
-from visualspeech.evaluation.metrics import ABSOLUTE, METRICS, PROTOCOLS, Metric, is_measured
+from visualspeech.evaluation.metrics import ABSOLUTE, CENTRED, METRICS, PROTOCOLS, Metric, is_measured
 from visualspeech.evaluation.statistics import (
     NO_FIGURE,
     BootstrapSettings,
@@ -31,8 +38,8 @@ from visualspeech.evaluation.statistics import (
     sample_row,
 )
 
-#: Measures, and whether they are shown as figures or as ratios to the training mean of the row's own system. Errors of
-#: parameters are in units of the system's coding, so only their ratios can be compared.
+#: Measures of the second table, and whether they are shown as figures or as ratios to the training mean of the row's
+#: own system. Errors of parameters are in units of the system's coding, so only their ratios can be compared.
 COLUMNS = (
     ("lip_distance_px", "value"),
     ("lip_distance_px_absolute", "value"),
@@ -40,7 +47,18 @@ COLUMNS = (
     ("corr", "value"),
     ("gv_ratio", "value"),
 )
+LIPS = "lips"  # in place of value or ratio: measures of the first table
+#: Columns of the first table below one heading each.
+GROUPS = {
+    "Lip points": ("lip_distance", "jerk"),
+    "Opening of the mouth": ("opening_corr", "opening_ccc", "lag"),
+    "Width of the mouth": ("width_corr", "width_ccc"),
+    "Lips closed": ("closure", "silence"),
+    "Model": COSTS,
+}
+LIP_COLUMNS = tuple(name for names in GROUPS.values() for name in names)
 FRAME_COLUMNS = ("system", "row", "metric", "part", "value", "low", "high")
+RECORDED = "recorded"
 
 
 @dataclass(frozen=True)
@@ -51,19 +69,22 @@ class SystemRows:
     ----------
     title : of the system
     facts : what its figures were computed on
-    measured : its rows, with its training mean
+    measured : its rows, with its training mean: parameters at the camera's frames
+    lips : the same rows: lips at the camera's frames (:func:`visualspeech.evaluation.lip_rows.lip_table`)
     """
 
     title: str
     facts: TableFacts
     measured: MeasuredRows
+    lips: MeasuredRows
 
 
 def systems_frame(systems: Sequence[SystemRows], bootstrap: BootstrapSettings):
     """Figures of all systems as a data frame: ``system row metric part value low high``, one line per row and column.
 
-    Predictions are compared with the recorded face in the system's own coding. Repetitions of a model are one row. A
-    measure whose statistics a system lacks is NaN.
+    ``part`` is ``lips`` for the measures of the first table, ``value`` or ``ratio`` for those of the second one; two
+    lines without a system are of the recorded faces. Repetitions of a model are one row. A measure whose statistics a
+    system lacks is NaN.
 
     Raises
     ------
@@ -73,15 +94,35 @@ def systems_frame(systems: Sequence[SystemRows], bootstrap: BootstrapSettings):
     import pandas
 
     _check(systems)
-    lines = []
+    lines = [("", RECORDED, name, LIPS, value, np.nan, np.nan) for name, value in _recorded(systems).items()]
     for system in systems:
-        measured = system.measured.pooled()
-        base, drawn = measured.tables[measured.base.name], draws(measured.utterances, bootstrap)
-        for row in measured.tables:
-            for name, part in COLUMNS:
-                found = _figure(measured, row, base if part == "ratio" else None, METRICS[name], drawn, bootstrap)
-                lines.append((system.facts.system, row, name, part, found.value, found.low, found.high))
+        lines += [(system.facts.system, *line) for line in (*_lip_lines(system.lips, bootstrap),
+                                                            *_parameter_lines(system.measured, bootstrap))]  # fmt: skip
     return pandas.DataFrame(lines, columns=list(FRAME_COLUMNS))
+
+
+def _recorded(systems: Sequence[SystemRows]) -> Mapping[str, float]:
+    """Figures of the recorded faces, of the first system that has some."""
+    tables = (next(iter(system.lips.tables.values())) for system in systems)
+    return next(filter(None, map(recorded_closures, tables)), {})
+
+
+def _lip_lines(lips: MeasuredRows, bootstrap: BootstrapSettings):
+    lips = lips.pooled()
+    drawn = draws(lips.utterances, bootstrap)
+    for row in lips.tables:
+        for name in LIP_COLUMNS:
+            found = _figure(lips, row, None, ACROSS[name], drawn, bootstrap)
+            yield row, name, LIPS, found.value, found.low, found.high
+
+
+def _parameter_lines(measured: MeasuredRows, bootstrap: BootstrapSettings):
+    measured = measured.pooled()
+    base, drawn = measured.tables[measured.base.name], draws(measured.utterances, bootstrap)
+    for row in measured.tables:
+        for name, part in COLUMNS:
+            found = _figure(measured, row, base if part == "ratio" else None, METRICS[name], drawn, bootstrap)
+            yield row, name, part, found.value, found.low, found.high
 
 
 def _check(systems: Sequence[SystemRows]) -> None:
@@ -90,6 +131,9 @@ def _check(systems: Sequence[SystemRows]) -> None:
         raise DataError(f"two systems of a table have one name: {', '.join(names)}. Rename one of them.")
     tables = {name: next(iter(system.measured.tables.values())) for name, system in zip(names, systems, strict=True)}
     check_same_utterances(tables, frames=False)
+    lips = {name: next(iter(system.lips.tables.values())) for name, system in zip(names, systems, strict=True)}
+    check_same_utterances(lips)
+    check_same_utterances({names[0]: tables[names[0]], f"lips of {names[0]}": lips[names[0]]}, frames=False)
 
 
 def _figure(
@@ -105,52 +149,103 @@ def _figure(
 
 def systems_tables(
     frame, systems: Sequence[SystemRows], bootstrap: BootstrapSettings, digits: int = 3, lost: Collection[str] = ()
-) -> tuple[Table]:
-    """The table of all systems, with a heading above the rows of each.
+) -> tuple[Table, Table]:
+    """Both tables of all systems, with a heading above the rows of each.
 
     Parameters
     ----------
     frame, systems, bootstrap : as made by and given to :func:`systems_frame`
     lost : test utterances of some systems that are left out, because other systems lack them
     """
-    text = {
-        (line.system, line.row, line.metric): tuple(shown(v, digits) for v in (line.value, line.low, line.high))
-        for line in frame.itertuples()
-    }
-    measured = [(system, system.measured.pooled()) for system in systems]
-    best = _best(text, measured)
-    rows = []
-    for system, pooled in measured:
-        rows.append(Row(_heading(system)))
-        for row in pooled.rows:
-            keys = [(system.facts.system, row.name, name) for name, _ in COLUMNS]
-            cells = (Cell(text[key][0], interval(*text[key][1:]), best=key in best) for key in keys)
-            rows.append(Row(row.title, tuple(cells), row.role))
+    text = {}
+    for line in frame.itertuples():
+        own = DIGITS.get(line.metric, digits) if line.part == LIPS else digits
+        values = (line.value, line.low, line.high)
+        text[line.system, line.row, line.part, line.metric] = tuple(shown(value, own) for value in values)
+    return (
+        _lip_table(text, systems, bootstrap, lost),
+        _parameter_table(text, systems, bootstrap),
+    )
+
+
+def _facts(systems: Sequence[SystemRows], bootstrap: BootstrapSettings) -> tuple[tuple[str, str], ...]:
     first = systems[0].facts
-    facts = (
+    return (
         ("corpus", first.corpus),
         ("split", first.split_hash),
         ("systems", ", ".join(system.title for system in systems)),
-        ("test utterances", str(systems[0].measured.utterances)),
-        ("protocol", "; ".join(PROTOCOLS.values())),
-        ("intervals", bootstrap.text(measured[0][1])),
+        ("test utterances", str(systems[0].lips.utterances)),
+        ("test frames", f"{systems[0].lips.frames} of the camera"),
+        ("protocol", PROTOCOLS[CENTRED]),
+        ("intervals", bootstrap.text(systems[0].lips.pooled())),
         ("visualspeech", first.version),
     )
-    metrics = [METRICS[name] for name, _ in COLUMNS]
-    headings = (
-        f"{metric.title} / training mean ↓" if part == "ratio" else _with_protocol(metric)
-        for metric, (_, part) in zip(metrics, COLUMNS, strict=True)
-    )
+
+
+def _lip_table(text, systems: Sequence[SystemRows], bootstrap: BootstrapSettings, lost: Collection[str]) -> Table:
+    columns = tuple((ACROSS[name], LIPS) for name in LIP_COLUMNS)
+    measured = [(system, system.lips.pooled()) for system in systems]
+    recorded = tuple(Cell(text.get(("", RECORDED, LIPS, name), ("",))[0]) for name in LIP_COLUMNS)
     notes = (
-        "The best value in each column is bold; floors are left out.",
+        "The best value in each column is bold; floors are left out, and baselines in the columns of the model.",
+        "Predictions are decoded to lip points and compared with the tracked lips at the frames of the camera. The "
+        "floor of a system is the recorded face through its visual coding and frame rate. A rate of closure above that "
+        "of the recorded faces means that the lips close more often than the speaker's.",
         *oracle_note([row for _, pooled in measured for row in pooled.rows]),
-        "Predictions of every system are brought to the frames of the camera, as a video shows them, and compared with "
-        "the recorded face there, in the system's own visual coding. Headings say the rate of a system's models.",
+        "Frames per second are measured, so they alone differ from run to run.",
     )
     if lost:
         notes += (f"Left out, because a visual coding rejected them: {', '.join(sorted(lost))}.",)
-    title = "Systems on one corpus"
-    return (Table(title, tuple(headings), tuple(rows), facts=facts, notes=notes, definitions=definitions_of(metrics)),)
+    return Table(
+        "Systems on one corpus",
+        tuple(metric.heading for metric, _ in columns),
+        (Row("Recorded faces", recorded, "floor"), *_rows(text, measured, columns)),
+        groups=tuple((name, len(names)) for name, names in GROUPS.items()),
+        facts=_facts(systems, bootstrap),
+        notes=notes,
+        definitions=tuple(
+            (f"{group}: {metric.title}", f"{metric.definition}.")
+            for group, names in GROUPS.items()
+            for metric in map(ACROSS.get, names)
+        ),
+    )
+
+
+def _parameter_table(text, systems: Sequence[SystemRows], bootstrap: BootstrapSettings) -> Table:
+    columns = tuple((METRICS[name], part) for name, part in COLUMNS)
+    measured = [(system, system.measured.pooled()) for system in systems]
+    return Table(
+        "Systems on one corpus: parameters of the visual codings",
+        tuple(
+            f"{metric.title} / training mean ↓" if part == "ratio" else _with_protocol(metric)
+            for metric, part in columns
+        ),
+        _rows(text, measured, columns),
+        facts=(("protocol", "; ".join(PROTOCOLS.values())),),
+        notes=(
+            "The best value in each column is bold; floors are left out.",
+            "Predictions of every system are brought to the frames of the camera, as a video shows them, and compared "
+            "with the recorded face there, in the system's own visual coding. Headings say the rate of a system's "
+            "models.",
+        ),
+        definitions=definitions_of([metric for metric, _ in columns]),
+    )
+
+
+def _rows(text, measured: Sequence[tuple[SystemRows, MeasuredRows]], columns) -> tuple[Row, ...]:
+    """The rows of all systems, each system below its heading."""
+    best, rows = _best(text, measured, columns), []
+    for system, pooled in measured:
+        rows.append(Row(_heading(system)))
+        for row in pooled.rows:
+            keys = [(system.facts.system, row.name, part, metric.name) for metric, part in columns]
+            rows.append(Row(row.title, tuple(_cell(text[key], key in best) for key in keys), row.role))
+    return tuple(rows)
+
+
+def _cell(figures: tuple[str, str, str], best: bool) -> Cell:
+    value, low, high = figures
+    return Cell(value, interval(low, high) if (low, high) != (value, value) else "", best=best)
 
 
 def _with_protocol(metric: Metric) -> str:
@@ -158,14 +253,18 @@ def _with_protocol(metric: Metric) -> str:
     return replace(metric, title=title).heading
 
 
-def _best(text, measured) -> set[tuple[str, str, str]]:
+def _best(text, measured, columns) -> set[tuple[str, str, str, str]]:
     """Keys of the best cells over all systems."""
-    rows = [(system.facts.system, row.name) for system, pooled in measured for row in pooled.rows if competes(row)]
-    return {
-        key
-        for name, _ in COLUMNS
-        for key in best_of(METRICS[name], {(*row, name): text[(*row, name)][0] for row in rows})
-    }
+    rows = [(system.facts.system, row) for system, pooled in measured for row in pooled.rows if competes(row)]
+    found = set()
+    for metric, part in columns:
+        keys = [
+            (system, row.name, part, metric.name)
+            for system, row in rows
+            if row.role == "model" or metric.name not in COSTS
+        ]
+        found |= best_of(metric, {key: text[key][0] for key in keys})
+    return found
 
 
 def _heading(system: SystemRows) -> str:

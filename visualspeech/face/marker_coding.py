@@ -15,6 +15,7 @@ import numpy as np
 from visualspeech.errors import DamagedFile, DataError
 from visualspeech.face.markers import MAX_MARKERS, MAX_NAME, REGIONS, MarkerSet
 from visualspeech.fields import Settings, restored, setting
+from visualspeech.storage import regions as stored_regions
 from visualspeech.storage.layouts import TEXT, Array, FileLayout
 from visualspeech.storage.models import read_model_of, write_model
 
@@ -102,6 +103,7 @@ class MarkerCoding:
             "sizes": {"appearance": self.size},
             "dimensions": self.dimensions,
             "regions": self.markers.by_region(),
+            stored_regions.COLUMNS: {region: list(columns) for region, columns in self.regions.items()},
             "names": list(self.markers.names),
             "speakers": list(self.speakers),
             "settings": asdict(self.settings),
@@ -124,6 +126,9 @@ class MarkerCoding:
         shape = (len(speakers) + 1, markers.size * stored["dimensions"])
         if tensors["mean"].shape != shape:
             raise DamagedFile(path, f"its means have the shape {tensors['mean'].shape}, not {shape}")
+        columns = {region: tuple(one) for region, one in stored[stored_regions.COLUMNS].items()}
+        if columns != markers.columns(stored["dimensions"]):
+            raise DamagedFile(path, "the columns of its regions are not those of its markers")
         if len(set(speakers)) < len(speakers):
             raise DamagedFile(path, "a speaker occurs twice")
         settings = restored(MarkerSettings, stored["settings"], path)
@@ -140,6 +145,7 @@ LAYOUT = FileLayout(
         "sizes": {"type": "object"},
         "dimensions": {"type": "integer", "minimum": 1, "maximum": 3},
         "regions": {"type": "object", "additionalProperties": False, "properties": dict.fromkeys(REGIONS, _NAMES)},
+        stored_regions.COLUMNS: stored_regions.LAYOUT,
         "names": {**_NAMES, "minItems": 1},
         "speakers": {"type": "array", "maxItems": 100_000, "items": TEXT},
         "settings": {"type": "object"},

@@ -14,8 +14,8 @@ from visualspeech.storage.files import read_text
 
 #: Regions of the face (Sadoughi and Busso 2017, section 3.1), in the order of vectors and tables.
 REGIONS = ("upper", "middle", "lower")
-#: The set of the landmarks of tracked faces, whose markers are ``point_0`` to ``point_67``.
-LANDMARKS_68 = "landmarks_68"
+#: Names of the landmarks of tracked faces, in the order in which recordings hold them.
+LANDMARK_NAMES = tuple(f"point_{number}" for number in range(68))
 #: Markers of a set at most, and letters of a name.
 MAX_MARKERS, MAX_NAME = 2000, 100
 
@@ -118,6 +118,11 @@ def marker_set(regions: Mapping[str, Sequence[str]], where: str) -> MarkerSet:
 def marker_set_names() -> list[str]:
     """Names of the marker sets that come with the library."""
     return sorted(file.stem for file in _FOLDER.glob("*.yaml"))
+
+
+def landmark_set_names() -> list[str]:
+    """Names of the marker sets whose markers are landmarks of tracked faces."""
+    return [name for name in marker_set_names() if set(read_marker_set(name).names) <= set(LANDMARK_NAMES)]
 
 
 def marker_set_path(name: str) -> Path:

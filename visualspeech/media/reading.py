@@ -95,6 +95,19 @@ def probe(path: str | Path) -> MediaInfo:
         )
 
 
+def sound_rate(path: str | Path) -> int:
+    """Sample rate of the sound of a file, with or without video, in Hz; 0 if there is no sound.
+
+    Raises
+    ------
+    RejectedUtterance
+        The file is missing, empty or not a media file.
+    """
+    with open_media(path) as container:
+        audio = container.streams.audio[0] if container.streams.audio else None
+        return (audio.codec_context.sample_rate or 0) if audio and audio.codec_context else 0
+
+
 def _is_sideways(container, stream) -> bool:
     """Whether the recording is rotated by 90 degrees; only MOV and Matroska can be, and only a decoded frame tells."""
     if not container.format.name.startswith(("mov", "matroska")):

@@ -8,6 +8,8 @@ trained, and its code is part of the digest of its own rows alone: a new family 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
+from visualspeech.models.joint_settings import cell_name
+
 
 @dataclass(frozen=True)
 class Family:
@@ -28,6 +30,7 @@ class Family:
         ``members`` for several; the row reads what they read. Empty: none
     no_windows : why a row of these settings cannot read windows of frames, as the rest of a sentence; empty: it can
     by_frame : whether a model predicts each frame from its own inputs alone, so that it can be trained on single frames
+    regions : whether it needs a visual coding that divides its parameters into regions of the face
     made_from : whether a row of these settings starts from the model of another row, which ``from`` names
     """
 
@@ -44,6 +47,7 @@ class Family:
     made_from: Callable[[Mapping], bool] = lambda settings: False
     no_windows: Callable[[Mapping], str] = lambda settings: "this family reads none. Name the block alone."
     by_frame: bool = False
+    regions: bool = False
 
 
 _OF_STACKS = "a stack reads windows by a feed-forward layer. Begin `letters` with F, or name the block alone."
@@ -92,6 +96,16 @@ FAMILIES = {
         reads=(1, None),
         no_windows=lambda settings: "",
         by_frame=True,
+    ),
+    "joint": Family(
+        "visualspeech.models.joint",
+        "visualspeech.models.joint_settings:JointSettings",
+        trained=True,
+        grid=("layers", "nodes", "shared"),
+        cell=cell_name,
+        reads=(1, None),
+        no_windows=lambda settings: "",
+        regions=True,
     ),
     "lookup": Family(
         "visualspeech.models.lookup",

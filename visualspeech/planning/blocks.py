@@ -2,7 +2,7 @@
 
 from collections.abc import Iterable, Mapping
 
-from visualspeech.features.blocks.base import block_class, encoding_needs, is_segmental, parts_of
+from visualspeech.features.blocks.base import block_class, encoding_needs, is_segmental, parts_of, unavailable
 from visualspeech.models.families import FAMILIES
 from visualspeech.models.rows import ModelRow
 from visualspeech.schema import unknown
@@ -23,6 +23,16 @@ def part_mistakes(blocks: Mapping[str, Mapping], where: str) -> list[str]:
             if named not in known:
                 found.append(unknown(f"{where}.blocks.{name}.{key}", named, known, f"input block of kind {kind}"))
     return found
+
+
+def package_mistakes(blocks: Mapping[str, Mapping], where: str) -> list[str]:
+    """Blocks that need a package which is not installed; a sentence for each. Arguments as of :func:`part_mistakes`."""
+    missing = {name: unavailable(block_class(block["kind"])) for name, block in blocks.items()}
+    return [
+        f"`{where}.blocks.{name}.kind: {blocks[name]['kind']}` cannot be computed: {why}"
+        for name, why in missing.items()
+        if why
+    ]
 
 
 def viseme_number_mistakes(block: str, blocks: Mapping[str, Mapping], where: str) -> list[str]:

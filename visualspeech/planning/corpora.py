@@ -1,14 +1,16 @@
 """The plan of a corpus, made before any job: its utterances, their shards, split and speakers. Writes nothing."""
 
 from collections.abc import Callable, Mapping
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, field
 from functools import cache
 
-from visualspeech.corpora.adapters import list_utterances
+from visualspeech.corpora.adapters import MOTION_ADAPTERS, list_utterances
 from visualspeech.corpora.files import recordings_digest
 from visualspeech.corpora.records import Utterance, legal_id, shard_of
 from visualspeech.corpora.split import split_utterances
 from visualspeech.errors import CorpusError
+from visualspeech.face.markers import MarkerSet
+from visualspeech.planning.motion import corpus_markers, motion_source
 
 
 @dataclass(frozen=True)
@@ -25,6 +27,9 @@ class CorpusPlan:
     recordings : function of a shard: digest of its files, which changes with them; they are looked at when it is called
     speakers : file name of a speaker -> the speaker, sorted
     gives : what the corpus gives, of :data:`visualspeech.planning.systems.NEEDS`
+    markers : of its motion capture, by region; None where its faces are landmarks of videos
+    motion : how its motion capture is read, plain data of :class:`visualspeech.corpora.motion.MotionSource`; empty if
+        there is none
     """
 
     name: str
@@ -37,6 +42,8 @@ class CorpusPlan:
     recordings: Callable[[str], str]
     speakers: Mapping[str, str]
     gives: frozenset[str]
+    markers: MarkerSet | None = None
+    motion: Mapping = field(default_factory=dict)
 
     def rows(self, shard: str) -> list[dict]:
         """The utterances of a shard as plain data."""
@@ -66,13 +73,15 @@ def plan_corpus(corpus: Mapping, shards: int, shares: Mapping[str, float], seed:
     made_here = corpus["adapter"] == "demo"
     if made_here:
         corpus = {**corpus, "root": f"{results}/{corpus['name']}/recordings", "shards": shards}
+    # First what may be a mistake of the settings: a large corpus takes a while to list.
+    markers = corpus_markers(corpus) if corpus["adapter"] in MOTION_ADAPTERS else None
     utterances = list_utterances(corpus)
     usable = [one for one in utterances if not one.problem]
     if not usable:
         first = utterances[0]
         raise CorpusError(
             f"no utterance of the corpus {corpus['name']} can be used ({len(utterances)} are listed). The first one, "
-            f"{first.media}: {first.problem}. {first.remedy}"
+            f"{first.file}: {first.problem}. {first.remedy}"
         )
     split = split_utterances(utterances, (shares["train"], shares["validation"], shares["test"]), seed)
     by_shard: dict[str, list[Utterance]] = {}
@@ -91,6 +100,8 @@ def plan_corpus(corpus: Mapping, shards: int, shares: Mapping[str, float], seed:
         recordings=cache(lambda shard: "" if made_here else recordings_digest(by_shard[shard], by_content)),
         speakers=_speakers(usable, corpus["name"]),
         gives=_gives(usable),
+        markers=markers,
+        motion=motion_source(corpus, markers) if markers else {},
     )
 
 

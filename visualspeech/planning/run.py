@@ -10,10 +10,8 @@ from itertools import product
 from pathlib import Path
 
 from visualspeech.errors import SettingError
-from visualspeech.face.aam.model import AamSettings
-from visualspeech.face.point_sets import point_set_names, read_point_set
-from visualspeech.fields import FieldError
 from visualspeech.planning.blocks import speaking_mistakes
+from visualspeech.planning.codings import coding_schema, complete_coding, kind_mistakes, no_picture, with_needs
 from visualspeech.planning.corpora import CorpusPlan, plan_corpus
 from visualspeech.planning.paths import path_mistakes
 from visualspeech.planning.systems import (
@@ -30,8 +28,8 @@ from visualspeech.schema import fill_defaults, load_schema, mistakes, unknown
 from visualspeech.settings import plain_data
 
 #: Folders beside the systems' in a corpus's results; no system may have such a name.
-RESERVED = ("alignment", "audio", "benchmarks", "check", "codings", "corpus", "heads", "landmarks", "logs", "pose",
-            "recordings", "tables", "truth")  # fmt: skip
+RESERVED = ("alignment", "audio", "benchmarks", "check", "codings", "corpus", "heads", "landmarks", "logs", "motion",
+            "pose", "recordings", "tables", "truth")  # fmt: skip
 #: Keys that name files; what these say is checked with the files' own schemas.
 SELECTING = ("corpora", "systems", "override")
 KINDS = {"corpora": "corpus", "codings": "coding", "systems": "system"}
@@ -72,7 +70,9 @@ def resolve(config: Mapping, folder: Path) -> dict:
     read = plain_data({"corpora": corpora, "codings": codings, "systems": systems})
     for key, entries in read.items():
         for name, entry in entries.items():
-            found += mistakes(entry, schemas[KINDS[key]], f"{key}.{name}")
+            schema = schemas[KINDS[key]]
+            schema = coding_schema(schema, entry) if key == "codings" else schema
+            found += mistakes(entry, schema, f"{key}.{name}")
             found += input_mistakes(entry, f"{key}.{name}") if key == "systems" else []
     if found:
         raise SettingError("\n".join(found))
@@ -83,15 +83,18 @@ def resolve(config: Mapping, folder: Path) -> dict:
         collect.found.append(f"`split`: the shares must sum to 1, they sum to {sum(shares.values()):g}.")
     corpora = {name: fill_defaults(one, schemas["corpus"], f"corpora.{name}") for name, one in corpora.items()}
     codings = {
-        name: collect(_complete_coding, coding, schemas["coding"], f"codings.{name}")
-        for name, coding in codings.items()
+        name: collect(complete_coding, coding, schemas["coding"], f"codings.{name}") for name, coding in codings.items()
     }
     systems = {
         name: collect(_complete_system, system, schemas["system"], settings["seed"]) for name, system in systems.items()
     }
-    collect.found += [] if collect.found else _speak_mistakes(settings["speak"], systems)
+    if not collect.found:
+        own = {name: codings[system["coding"]] for name, system in systems.items()}
+        collect.found += [said for name, system in systems.items() for said in kind_mistakes(system, own[name])]
+        collect.found += _speak_mistakes(settings["speak"], systems, own)
     if collect.found:
         raise SettingError("\n".join(collect.found))
+    systems = {name: with_needs(system, own[name]) for name, system in systems.items()}
     complete = {**settings, "corpora": corpora, "systems": systems, "codings": codings}
     if found := path_mistakes(complete):
         raise SettingError("\n".join(found))
@@ -139,25 +142,6 @@ def _unwrapped(corpus: dict) -> dict:
     return corpus
 
 
-def _complete_coding(coding: Mapping, schema: Mapping, where: str) -> dict:
-    """A coding that fits its schema, with all defaults.
-
-    Raises
-    ------
-    SettingError
-        Its point set is unknown, or it asks for more components than its images and points can have.
-    """
-    filled = fill_defaults(coding, schema, where)
-    if filled["points"] not in point_set_names():
-        raise SettingError(unknown(f"{where}.points", filled["points"], point_set_names(), "point set"))
-    try:
-        points = read_point_set(filled["points"])
-        AamSettings(**filled["aam"]).check_possible(filled["aam"]["images"], points.freedom)
-    except FieldError as error:
-        raise error.at("aam", f"{where}.aam") from None
-    return filled
-
-
 def _complete_system(system: Mapping, schema: Mapping, seed: int) -> dict:
     where = f"systems.{system['name']}"
     if system["name"].lower() in RESERVED:
@@ -171,11 +155,17 @@ def _complete_system(system: Mapping, schema: Mapping, seed: int) -> dict:
     return complete_system(fill_defaults(system, schema, where), seed)
 
 
-def _speak_mistakes(speak: Mapping, systems: Mapping[str, Mapping]) -> list[str]:
-    """What is wrong with the system and the model that speak."""
-    system = speak["system"] or next(iter(systems))
+def _speak_mistakes(speak: Mapping, systems: Mapping[str, Mapping], codings: Mapping[str, Mapping]) -> list[str]:
+    """What is wrong with the system and the model that speak; ``codings`` are those of the systems, by their names."""
+    pictured = [name for name in systems if codings[name]["kind"] == "aam"]
+    system = speak["system"] or next(iter(pictured or systems))
     if system not in systems:
         return [unknown("speak.system", system, list(systems), "selected system")]
+    if speak["system"] and system not in pictured:
+        others = ", ".join(pictured) or "none is selected"
+        return [
+            f"`speak.system: {system}` cannot speak: {no_picture(system, codings[system])}. Systems that can: {others}."
+        ]
     models = [row["name"] for row in systems[system]["rows"] if row["role"] != "floor"]
     if speak["model"] and speak["model"] not in models:
         return [unknown("speak.model", speak["model"], models, f"model of {system}")]

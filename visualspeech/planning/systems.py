@@ -12,7 +12,13 @@ from visualspeech.fields import section_schema, with_defaults
 from visualspeech.models.entries import model_mistakes
 from visualspeech.models.registry import expand
 from visualspeech.models.rows import ORACLE, ModelRow
-from visualspeech.planning.blocks import part_mistakes, read_faces, segment_mistakes, viseme_number_mistakes
+from visualspeech.planning.blocks import (
+    package_mistakes,
+    part_mistakes,
+    read_faces,
+    segment_mistakes,
+    viseme_number_mistakes,
+)
 from visualspeech.planning.tables import resolved_tables, rows_of_entries, table_mistakes
 from visualspeech.schema import check, mistakes, unknown
 from visualspeech.settings import merged, read_yaml
@@ -227,7 +233,7 @@ def complete_system(system: Mapping, seed: int) -> dict:
     blocks = {name: _block(block, f"{where}.blocks.{name}") for name, block in system["blocks"].items() if block}
     seeds = system["seeds"] or [seed]
     rows = expand(system["models"], blocks, system["training"], seeds, f"{where}.models")
-    found = part_mistakes(blocks, where)
+    found = part_mistakes(blocks, where) + package_mistakes(blocks, where)
     found += viseme_number_mistakes(system["viseme_numbers"]["block"], blocks, where)
     if found:
         raise SettingError("\n".join(found))

@@ -84,3 +84,12 @@ def spans(count: int, size: int) -> Iterator[tuple[int, int]]:
     """First and last (exclusive) number of consecutive runs of at most ``size`` of ``count`` things."""
     for first in range(0, count, size):
         yield first, min(first + size, count)
+
+
+def between_voiced(values: np.ndarray) -> np.ndarray:
+    """Values (T,) that are NaN in unvoiced frames, interpolated linearly through them; all NaN where none is voiced.
+
+    Before the first and after the last voiced frame they are constant.
+    """
+    voiced = np.flatnonzero(~np.isnan(values))
+    return np.interp(np.arange(len(values)), voiced, values[voiced]) if len(voiced) else values

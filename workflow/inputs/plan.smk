@@ -25,6 +25,16 @@ if workflow.is_main_process:
         logger.warning(sentence)
 
 
+def codings_of_kind(kind):
+    """Names of the visual codings of a kind."""
+    return [name for name, one in SETTINGS["codings"].items() if one["kind"] == kind]
+
+
+def systems_of_kind(kind):
+    """Names of the systems that predict a visual coding of a kind."""
+    return [name for name, one in SETTINGS["systems"].items() if one["coding"] in codings_of_kind(kind)]
+
+
 LOCKS = []
 
 
@@ -63,6 +73,16 @@ def filled(pattern, wildcards, **more):
 def shards(pattern):
     """Input function: one path for each shard of the corpus that holds utterances."""
     return lambda wildcards: filled(pattern, wildcards, shard=PLAN.corpora[wildcards.corpus].shards)
+
+
+def gives(wildcards, need):
+    """Whether the job's corpus gives something, of ``NEEDS`` of the planning."""
+    return need in PLAN.corpora[wildcards.corpus].gives
+
+
+def shards_given(need, pattern):
+    """Input function: as :func:`shards`; nothing where the corpus does not give ``need``."""
+    return lambda wildcards: shards(pattern)(wildcards) if gives(wildcards, need) else []
 
 
 def recordings(wildcards):
@@ -104,12 +124,14 @@ def for_systems(pattern, **more):
     ]
 
 
-def for_corpora(pattern):
-    """Paths of a pattern for every corpus, and where it asks for them for its shards and its visual codings."""
+def for_corpora(pattern, need=""):
+    """Paths of a pattern for every corpus, or every one that gives ``need``, and where the pattern asks for them for its
+    shards and its visual codings."""
     pattern = plain(pattern)
     paths = [
         path
         for name, corpus in PLAN.corpora.items()
+        if not need or need in corpus.gives
         for path in expand(
             pattern,
             corpus=name,
@@ -128,7 +150,12 @@ def utterances_of(wildcards):
 
 def has_text(wildcards):
     """Params function: whether the corpus gives transcripts, with which its speech is aligned."""
-    return "text" in PLAN.corpora[wildcards.corpus].gives
+    return gives(wildcards, "text")
+
+
+def motion_of(wildcards):
+    """Params function: how the motion capture of the job's corpus is read."""
+    return PLAN.corpora[wildcards.corpus].motion
 
 
 def split_of(wildcards):

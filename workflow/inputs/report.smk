@@ -1,4 +1,21 @@
 # What videos, preference tests and reports show.
+def is_pictured(system):
+    """Whether a system predicts a picture of the face, and not markers alone."""
+    return system in systems_of_kind("aam")
+
+
+def for_pictured(pattern):
+    """Input function: as :func:`for_systems`, for the systems that predict a picture."""
+
+    def paths(wildcards):
+        found = [path for one in PLAN.pairs if is_pictured(one[1]) for path in filled(pattern, OfSystem(*one))]
+        if not found:
+            refuse("the preference test shows talking heads, and every selected system predicts markers alone.")
+        return found
+
+    return paths
+
+
 def shown_model(file):
     """Input function: a file of the model that a system's videos show."""
     return lambda wildcards: filled(f"<model>/{file}", wildcards, model=system_of(wildcards)["videos"]["model"])[0]
@@ -39,7 +56,12 @@ def figures_of(wildcards):
     shown = ", ".join(titles[name] for name in wanted["models"])
     caption = f"Parameter {wanted['parameter']} of a test utterance, recorded and predicted ({shown})"
     paths = filled("<system>/figures/trajectories.png", wildcards) if wanted["models"] else []
-    return [[path, caption] for path in paths]
+    found = [[path, caption] for path in paths]
+    if by_emotion(wildcards):
+        compared = ", ".join(titles[name] for name in of_emotions(system_of(wildcards)))
+        caption = f"Both measures by region of the face and emotion ({compared}), with their intervals"
+        found += [[path, caption] for path in filled("<system>/figures/emotions.png", wildcards)]
+    return found
 
 
 def answers_of(wildcards):
@@ -47,17 +69,25 @@ def answers_of(wildcards):
     return system_of(wildcards)["preference"]["answers"] or filled("<system>/preference/answers.tsv", wildcards)[0]
 
 
+def stages_of_coding(coding):
+    """Rules that a visual coding comes from: those of the whole corpus, and those of each shard."""
+    if coding["kind"] == "markers":
+        return ["fit_markers"], ["encode_markers"]
+    fitted = ["fit_faces"] if is_fitted(coding) else []
+    return ["fit_reference", "fit_aam"], ["sample_textures", *fitted, "encode_appearance"]
+
+
 def benchmarks_of(wildcards):
     """Benchmark files of every job that the results of a corpus come from."""
     corpus = PLAN.corpora[wildcards.corpus]
-    stages = ["check_recordings", "align_speech", "track_landmarks", "normalise_pose"]
+    faces = ["track_landmarks", "normalise_pose"] if "video" in corpus.gives else ["read_motion"]
+    stages = ["check_recordings", "align_speech", *faces]
     stages += ["record_demo"] if corpus.adapter == "demo" else []
     paths = filled("<corpus>/benchmarks/{stage}/{shard}.tsv", wildcards, stage=stages, shard=corpus.shards)
-    paths += filled("<corpus>/benchmarks/fit_head/{speaker}.tsv", wildcards, speaker=list(corpus.speakers))
+    paths += filled("<corpus>/benchmarks/fit_head/{speaker}.tsv", wildcards, speaker=speakers_with_heads(wildcards))
     for coding in PLAN.codings(wildcards.corpus):
-        fitted = ["fit_faces"] if SETTINGS["codings"][coding]["source"] == "fit" else []
-        sharded = ["sample_textures", *fitted, "encode_appearance"]
-        paths += filled("<coding>/benchmarks/{stage}.tsv", wildcards, coding=coding, stage=["fit_reference", "fit_aam"])
+        whole, sharded = stages_of_coding(SETTINGS["codings"][coding])
+        paths += filled("<coding>/benchmarks/{stage}.tsv", wildcards, coding=coding, stage=whole)
         paths += filled(
             "<coding>/benchmarks/{stage}/{shard}.tsv", wildcards, coding=coding, stage=sharded, shard=corpus.shards
         )
@@ -66,7 +96,8 @@ def benchmarks_of(wildcards):
         paths += filled(
             "<system>/benchmarks/{stage}/{model}.tsv", one, stage=["train_model", "predict_model"], model=trained
         )
-        paths += filled("<system>/benchmarks/render_videos.tsv", one)
+        rendering = "render_videos" if is_pictured(one.system) else "render_markers"
+        paths += filled("<system>/benchmarks/{stage}.tsv", one, stage=rendering)
     return paths
 
 
@@ -77,14 +108,15 @@ def reported(wildcards):
             "name": one.system,
             "title": system_of(one)["title"] or one.system,
             "facts": list(facts_of(one).items()),
-            "tables": filled("<system>/tables/{table}.html", one, table=tables_of(one.system)),
+            "tables": filled("<system>/tables/{table}.html", one, table=tables_of(one)),
             "targets": shards("<system>/targets/{shard}.h5")(one),
             "rows": [row.plain() for row in curved_rows(one.system)],
             "curves": filled("<model>/learning_curve.tsv", one, model=[row.name for row in curved_rows(one.system)]),
             "utterances": of_coding("utterances.tsv")(one),
             "findings": of_coding("findings.tsv")(one),
-            "coding": of_coding("model.safetensors")(one),
-            "reference": of_coding("reference.safetensors")(one),
+            # An AAM, whose modes are shown.
+            "coding": of_coding("model.safetensors")(one) if is_pictured(one.system) else "",
+            "reference": of_coding("reference.safetensors")(one) if is_pictured(one.system) else "",
             "visemes": drawn_visemes(one),
             "model": system_of(one)["videos"]["model"],
             "predictions": shown_model("predictions.h5")(one),

@@ -1,5 +1,6 @@
 # Who speaks, and what.
 from visualspeech.planning.blocks import speaking_row
+from visualspeech.planning.codings import no_picture
 from visualspeech.speech.sentences import listed_sentences
 from visualspeech.speech.tts import letter_to_sound
 
@@ -8,8 +9,11 @@ SPEAK = SETTINGS["speak"]
 
 def speaking():
     """(corpus, system, model) of every speaker: one for each corpus on which the system that speaks runs. The model is
-    empty where none of the system can read new speech."""
-    system = SPEAK["system"] or next(name for _, name in PLAN.pairs)
+    empty where none of the system can read new speech. There is none where no system predicts a picture."""
+    able = [name for _, name in PLAN.pairs if is_pictured(name)]
+    if not able:
+        return []
+    system = SPEAK["system"] or able[0]
     own = SETTINGS["systems"][system]
     model = SPEAK["model"] or speaking_row(rows_of(system), own["blocks"], own["videos"]["model"])
     return [(corpus, system, model) for corpus, name in PLAN.pairs if name == system]
@@ -54,16 +58,23 @@ def sentences():
         raise WorkflowError(f"`speak`: {error}")
 
 
+SPEAKERS = speaking()
+
 for name in SPEAK["background"]:
-    if not any(name in PLAN.corpora[corpus].split for corpus, _, _ in speaking()):
+    if SPEAKERS and not any(name in PLAN.corpora[corpus].split for corpus, _, _ in SPEAKERS):
         raise WorkflowError(f"`speak.background: {name}` is no utterance of the corpus.")
 
-SPEAKERS = speaking()
 SENTENCES = sentences()
 
 
 def check_speakers():
-    """Refuse to make a speaker of a system whose models all read the recorded face."""
+    """Refuse to make a speaker where no system predicts a picture, or all models of the one that is to speak read the
+    recorded face."""
+    if not SPEAKERS:
+        system = PLAN.pairs[0][1]
+        refuse(
+            f"{no_picture(system, coding_of(OfSystem(*PLAN.pairs[0])))}; select a system that speaks, such as fan2015."
+        )
     for _, system, model in SPEAKERS:
         if not model:
             refuse(

@@ -1,4 +1,5 @@
 # The system, visual coding and row that a job belongs to.
+from visualspeech.face.markers import LANDMARK_NAMES, read_marker_set
 from visualspeech.face.point_sets import point_set_path
 from visualspeech.features.blocks.base import block_class, block_module, needs_of, parts_of
 from visualspeech.models.families import FAMILIES
@@ -83,6 +84,11 @@ def block_of(wildcards):
     return system_of(wildcards)["blocks"][wildcards.block]
 
 
+def needs_of_blocks(wildcards):
+    """What each input block of a system is computed from."""
+    return {name: needs_of(block_class(one["kind"])) for name, one in system_of(wildcards)["blocks"].items()}
+
+
 def parts_of_block(wildcards):
     """Names of the other input blocks that a job's block is computed from."""
     own = block_of(wildcards)
@@ -119,24 +125,57 @@ def model_code(script):
     return digest
 
 
+def speakers_with_heads(wildcards):
+    """File names of the speakers whose heads are fitted: all of a corpus with video."""
+    return list(PLAN.corpora[wildcards.corpus].speakers) if gives(wildcards, "video") else []
+
+
 def heads_of(wildcards):
-    """The heads of all speakers of the corpus."""
-    return filled(
-        "<corpus>/heads/{speaker}.safetensors", wildcards, speaker=list(PLAN.corpora[wildcards.corpus].speakers)
-    )
+    """The heads of all speakers of the corpus; none where there is no video."""
+    return filled("<corpus>/heads/{speaker}.safetensors", wildcards, speaker=speakers_with_heads(wildcards))
 
 
 def findings_of(wildcards):
-    """Findings of the check and of every shard's alignment, tracking and head pose."""
-    stages = [shards(f"<corpus>/{stage}/{{shard}}.findings.tsv") for stage in ("alignment", "landmarks", "pose")]
+    """Findings of the check and of every shard's alignment, and of its tracking and head pose, or its motion capture."""
+    faces = ("landmarks", "pose") if gives(wildcards, "video") else ("motion",)
+    stages = [shards(f"<corpus>/{stage}/{{shard}}.findings.tsv") for stage in ("alignment", *faces)]
     checked = filled("<corpus>/check/findings.tsv", wildcards)
     return [*checked, *(path for stage in stages for path in stage(wildcards))]
 
 
 def faces_findings_of(wildcards):
-    """Findings of every shard of the stages of a visual coding that read the recordings."""
-    stages = ["textures", *(["fitted"] if coding_of(wildcards)["source"] == "fit" else [])]
+    """Findings of every shard of the stages of a visual coding that read the recordings; markers have none."""
+    coding = coding_of(wildcards)
+    stages = ["textures", *(["fitted"] if is_fitted(coding) else [])] if coding["kind"] == "aam" else []
     return [path for one in stages for path in shards(f"<coding>/{one}/{{shard}}.findings.tsv")(wildcards)]
+
+
+def is_fitted(coding):
+    """Whether the faces of a visual coding are those that its AAM finds in each frame."""
+    return coding["kind"] == "aam" and coding["source"] == "fit"
+
+
+def drift_of(coding):
+    """Method by which a visual coding removes drift."""
+    return coding["drift"]["method"] if coding["kind"] == "aam" else "none"
+
+
+def recorded_points(wildcards):
+    """Input function: the recorded points of the job's shard, or of all shards: landmarks in the frontal frame, or motion
+    capture where there is no video."""
+    pattern = f"<corpus>/{'pose' if gives(wildcards, 'video') else 'motion'}/{{shard}}.h5"
+    return filled(pattern, wildcards) if hasattr(wildcards, "shard") else shards(pattern)(wildcards)
+
+
+def recorded_markers(wildcards):
+    """Params function: the marker set of a coding on a corpus, with the names of the recorded points in their order."""
+    corpus, points = PLAN.corpora[wildcards.corpus], coding_of(wildcards)["points"]
+    pictured = "video" in corpus.gives
+    return {
+        "source": points if pictured else corpus.name,
+        "regions": (read_marker_set(points) if pictured else corpus.markers).by_region(),
+        "names": list(LANDMARK_NAMES if pictured else corpus.markers.names),
+    }
 
 
 def points_code(script):
@@ -147,7 +186,7 @@ def points_code(script):
 def faces(wildcards):
     """The file of the faces that a coding's parameters code, of the job's shard; of all shards where it has none."""
     name = getattr(wildcards, "coding", None) or system_of(wildcards)["coding"]
-    pattern = plain(f"<coding>/{'fitted' if SETTINGS['codings'][name]['source'] == 'fit' else 'textures'}/{{shard}}.h5")
+    pattern = plain(f"<coding>/{'fitted' if is_fitted(SETTINGS['codings'][name]) else 'textures'}/{{shard}}.h5")
     if hasattr(wildcards, "shard"):
         return pattern.format(corpus=wildcards.corpus, coding=name, shard=wildcards.shard)
     return expand(pattern, corpus=wildcards.corpus, coding=name, shard=PLAN.corpora[wildcards.corpus].shards)

@@ -9,6 +9,8 @@ def viseme_blocks(system):
 
 def drawn_visemes(wildcards):
     """Input function: pictures of the classes of visemes of a system, one for each different set of classes."""
+    if not is_pictured(wildcards.system):
+        return []
     blocks, found = system_of(wildcards)["blocks"], {}
     for name in viseme_blocks(wildcards.system):
         settings = {key: value for key, value in blocks[name]["settings"].items() if key not in ("source", "folds")}

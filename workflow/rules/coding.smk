@@ -53,7 +53,7 @@ rule fit_aam:
         utterances="<corpus>/utterances.tsv",
         textures=shards("<coding>/textures/{shard}.h5"),
     output:
-        "<coding>/model.safetensors",
+        "<aam>/model.safetensors",
     log:
         "<coding>/logs/fit_aam.log",
     benchmark:
@@ -128,7 +128,7 @@ rule encode_appearance:
         aam="<coding>/model.safetensors",
         textures=faces,
     output:
-        "<coding>/parameters/{shard}.h5",
+        "<aam>/parameters/{shard}.h5",
     log:
         "<coding>/logs/encode_appearance/{shard}.log",
     benchmark:

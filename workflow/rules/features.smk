@@ -4,7 +4,7 @@ rule build_targets:
             "<coding>/parameters/{shard}.h5", wildcards, coding=system_of(wildcards)["coding"]
         )[0],
     output:
-        "<system>/targets/{shard}.h5",
+        "<aam_system>/targets/{shard}.h5",
     log:
         "<system>/logs/build_targets/{shard}.log",
     benchmark:
@@ -53,6 +53,7 @@ rule fit_block:
 
 rule encode_block:
     input:
+        utterances=of_coding("utterances.tsv"),
         block="<system>/features/{block}/block.safetensors",
         alignment=where_needed("text", "<corpus>/alignment/{shard}.tsv"),
         audio=where_needed("audio", "<corpus>/audio/{shard}.h5"),

@@ -7,7 +7,7 @@ rule render_markers:
         parameters=of_coding_shards("parameters/{shard}.h5"),
         audio=shards("<corpus>/audio/{shard}.h5"),
     output:
-        directory("<system>/videos"),
+        directory("<marker_system>/videos"),
     log:
         "<system>/logs/render_markers.log",
     benchmark:

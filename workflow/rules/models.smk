@@ -42,7 +42,8 @@ rule predict_model:
         targets=shards("<system>/targets/{shard}.h5"),
         features=features_of,
     output:
-        "<system>/models/{model}/predictions.h5",
+        predictions="<system>/models/{model}/predictions.h5",
+        speed="<system>/models/{model}/speed.tsv",
     log:
         "<system>/logs/predict_model/{model}.log",
     benchmark:

@@ -50,8 +50,9 @@ rule accept_utterances:
         utterances=shards("<corpus>/corpus/utterances/{shard}.tsv"),
         split="<corpus>/corpus/split.tsv",
         heads=heads_of,
-        landmarks=shards("<corpus>/landmarks/{shard}.h5"),
-        pose=shards("<corpus>/pose/{shard}.h5"),
+        landmarks=shards_given("video", "<corpus>/landmarks/{shard}.h5"),
+        pose=shards_given("video", "<corpus>/pose/{shard}.h5"),
+        motion=shards_given("motion", "<corpus>/motion/{shard}.h5"),
         findings=findings_of,
     output:
         accepted="<corpus>/utterances.tsv",
@@ -60,7 +61,7 @@ rule accept_utterances:
         "<corpus>/logs/accept_utterances.log",
     params:
         settings=SETTINGS["screening"],
-        speakers=lambda wildcards: list(PLAN.corpora[wildcards.corpus].speakers),
+        speakers=speakers_with_heads,
         limit=SETTINGS["max_rejected_share"],
         code=code("accept_utterances.py"),
     script:

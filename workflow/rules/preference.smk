@@ -11,7 +11,7 @@ rule render_pairs:
         pose=shards("<corpus>/pose/{shard}.h5"),
         textures=faces,
     output:
-        videos=directory("<system>/preference/videos"),
+        videos=directory("<aam_system>/preference/videos"),
         sheet="<system>/preference/answers.tsv",
         # Not beside the videos: who shows them should not see it.
         key="<system>/preference_key.tsv",

@@ -29,9 +29,9 @@ rule measure_model:
         alignment=shards("<corpus>/alignment/{shard}.tsv"),
         lips="<system>/lips.tsv",
     output:
-        test="<system>/models/{model}/statistics.tsv",
-        validation="<system>/models/{model}/validation.tsv",
-        camera="<system>/models/{model}/camera.tsv",
+        test="<aam_system>/models/{model}/statistics.tsv",
+        validation="<aam_system>/models/{model}/validation.tsv",
+        camera="<aam_system>/models/{model}/camera.tsv",
     log:
         "<system>/logs/measure_model/{model}.log",
     benchmark:
@@ -41,7 +41,7 @@ rule measure_model:
         mem_mb=1000,
         disk_mb=50,
     params:
-        drift=lambda wildcards: coding_of(wildcards)["drift"]["method"],
+        drift=lambda wildcards: drift_of(coding_of(wildcards)),
         code=code("measure_model.py"),
     script:
         "../scripts/measure_model.py"
@@ -229,11 +229,114 @@ rule tabulate_selection:
         "../scripts/tabulate_selection.py"
 
 
+rule tabulate_regions:
+    input:
+        utterances=of_coding("utterances.tsv"),
+        coding=of_coding("model.safetensors"),
+        statistics=of_rows("statistics.tsv", of_regions),
+        models=of_trained("model.safetensors"),
+        curves=of_trained("learning_curve.tsv"),
+    output:
+        multiext("<system>/tables/regions", *FORMS),
+    log:
+        "<system>/logs/tabulate_regions.log",
+    params:
+        rows=carried(ordered_rows(of_regions)),
+        rows_digest=marked(ordered_rows(of_regions)),
+        trained=trained_of_regions,
+        facts=facts_of,
+        digits=lambda wildcards: system_of(wildcards)["tables"]["digits"],
+        published=lambda wildcards: system_of(wildcards)["published"],
+        bootstrap=lambda wildcards: system_of(wildcards)["tables"]["bootstrap"],
+        seed=SEED,
+        needs=needs_of_blocks,
+        code=code("tabulate_regions.py"),
+    script:
+        "../scripts/tabulate_regions.py"
+
+
+rule tabulate_emotions:
+    input:
+        utterances=of_coding("utterances.tsv"),
+        coding=of_coding("model.safetensors"),
+        statistics=of_rows("statistics.tsv", of_emotions),
+    output:
+        tables=multiext("<system>/tables/emotions", *FORMS),
+        figure="<system>/figures/emotions.png",
+    log:
+        "<system>/logs/tabulate_emotions.log",
+    params:
+        rows=carried(ordered_rows(of_emotions)),
+        rows_digest=marked(ordered_rows(of_emotions)),
+        facts=facts_of,
+        settings=lambda wildcards: system_of(wildcards)["tables"]["emotions"],
+        digits=lambda wildcards: system_of(wildcards)["tables"]["digits"],
+        published=lambda wildcards: system_of(wildcards)["published"],
+        bootstrap=lambda wildcards: system_of(wildcards)["tables"]["bootstrap"],
+        seed=SEED,
+        needs=needs_of_blocks,
+        code=code("tabulate_emotions.py"),
+    script:
+        "../scripts/tabulate_emotions.py"
+
+
+# Across systems: what is measured of a speaker, and of the lips that the rows of a system predict.
+rule measure_tracked_lips:
+    input:
+        utterances="<corpus>/utterances.tsv",
+        heads=heads_of,
+        faces=shards("<corpus>/pose/{shard}.h5"),
+        alignment=shards("<corpus>/alignment/{shard}.tsv"),
+    output:
+        "<corpus>/tracked_lips.tsv",
+    log:
+        "<corpus>/logs/measure_tracked_lips.log",
+    threads: 1
+    resources:
+        mem_mb=500,
+        disk_mb=50,
+    params:
+        speakers=lambda wildcards: list(PLAN.corpora[wildcards.corpus].speakers),
+        code=code("measure_tracked_lips.py"),
+    script:
+        "../scripts/measure_tracked_lips.py"
+
+
+rule measure_across:
+    input:
+        utterances=of_coding("utterances.tsv"),
+        coding=of_coding("model.safetensors"),
+        speakers="<corpus>/tracked_lips.tsv",
+        faces=shards("<corpus>/pose/{shard}.h5"),
+        alignment=shards("<corpus>/alignment/{shard}.tsv"),
+        predictions=predictions_of_rows(ROLES),
+        models=statistics_of(PREDICTING, file="model.safetensors"),
+        speed=statistics_of(PREDICTING, file="speed.tsv"),
+    output:
+        lips="<system>/lips_camera.tsv",
+        costs="<system>/costs.tsv",
+    log:
+        "<system>/logs/measure_across.log",
+    benchmark:
+        "<system>/benchmarks/measure_across.tsv"
+    threads: 1
+    resources:
+        mem_mb=1000,
+        disk_mb=50,
+    params:
+        rows=lambda wildcards: [row.name for row in rows_of(wildcards.system)],
+        models=lambda wildcards: [row.name for row in rows_of(wildcards.system, PREDICTING)],
+        code=code("measure_across.py"),
+    script:
+        "../scripts/measure_across.py"
+
+
 rule tabulate_systems:
     input:
         utterances=of_systems(lambda wildcards: [of_coding("utterances.tsv")(wildcards)]),
         codings=of_systems(lambda wildcards: [of_coding("model.safetensors")(wildcards)]),
         statistics=of_systems(statistics_of(file="camera.tsv")),
+        lips=of_systems(lambda wildcards: filled("<system>/{file}.tsv", wildcards, file=["lips_camera", "costs"])),
     output:
         multiext("<corpus>/tables/systems", *FORMS),
     log:

@@ -10,7 +10,7 @@ rule render_videos:
         parameters=of_coding_shards("parameters/{shard}.h5"),
         textures=faces,
     output:
-        directory("<system>/videos"),
+        directory("<aam_system>/videos"),
     log:
         "<system>/logs/render_videos.log",
     benchmark:

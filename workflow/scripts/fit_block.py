@@ -1,7 +1,7 @@
 """Fit one input block to the training utterances of a corpus."""
 
 from visualspeech.corpora.table import of_split, read_utterances
-from visualspeech.features.blocks.base import Sources, fit_block, load_block, save_block
+from visualspeech.features.blocks.base import Sources, fit_block, load_block, save_block, with_unseen_speakers
 from visualspeech.features.contexts import read_phones
 from visualspeech.jobs import job
 from visualspeech.storage.arrays import ArrayCollection
@@ -12,13 +12,18 @@ with (
     ArrayCollection(source.targets) as targets,
     ArrayCollection(source.audio) as sound,
 ):
-    training = {one.id for one in of_split(read_utterances(source.utterances), "train")}
-    phones = read_phones(source.phones[0]) if source.phones else ()
-    block = fit_block(
-        params.kind,
-        params.settings,
-        phones,
-        Sources(source.alignment, targets, training, sound if source.audio else None, params.faces),
-        {name: load_block(path) for name, path in zip(params.made_of, source.blocks, strict=True)},
+    utterances = read_utterances(source.utterances)
+    training = of_split(utterances, "train")
+    seen, speakers = {one.speaker for one in training}, {one.id: one.speaker for one in utterances}
+    unseen = {one.id for one in utterances if one.speaker not in seen}
+    audio = sound if source.audio else None
+    trained, others = (
+        Sources(source.alignment, targets, ids, audio, params.faces, speakers)
+        for ids in ({one.id for one in training}, unseen)
     )
+    phones = read_phones(source.phones[0]) if source.phones else ()
+    parts = {name: load_block(path) for name, path in zip(params.made_of, source.blocks, strict=True)}
+    block = fit_block(params.kind, params.settings, phones, trained, parts)
+    if unseen:
+        block = with_unseen_speakers(block, others)
     save_block(snakemake.output[0], block)

@@ -4,6 +4,7 @@ from visualspeech.corpora.table import read_split
 from visualspeech.evaluation.across_systems import SystemRows, systems_frame, systems_tables
 from visualspeech.evaluation.facts import TableFacts
 from visualspeech.evaluation.forms import all_forms
+from visualspeech.evaluation.lip_rows import read_lip_tables
 from visualspeech.evaluation.measured import MeasuredRows
 from visualspeech.evaluation.statistics import BootstrapSettings
 from visualspeech.jobs import job
@@ -21,7 +22,9 @@ with job(snakemake.log[0]):
         measured = MeasuredRows.of(given["rows"], [read_numbers(path) for path in given["statistics"]]).on(split)
         facts = TableFacts.of(given["facts"], split, read_shapes(given["coding"]), measured)
         facts = facts.at(given["rate"])
-        systems.append(SystemRows(given["title"], facts, measured))
+        names = [row["name"] for row in given["rows"]]
+        lips = MeasuredRows.of(given["rows"], read_lip_tables(given["lips"], given["costs"], names)).on(split)
+        systems.append(SystemRows(given["title"], facts, measured, lips))
     bootstrap = BootstrapSettings(**params.bootstrap, seed=params.seed)
     frame = systems_frame(systems, bootstrap)
     tables = systems_tables(frame, systems, bootstrap, params.digits, lost)

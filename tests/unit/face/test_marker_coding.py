@@ -8,6 +8,7 @@ from visualspeech.face.coding import load_coding, read_coding_header
 from visualspeech.face.marker_coding import MarkerCoding, MarkerSettings, fit
 from visualspeech.face.markers import marker_set
 from visualspeech.storage.models import read_model, write_model
+from visualspeech.storage.regions import coding_regions
 
 MARKERS = marker_set({"upper": ["brow"], "middle": ["nose"], "lower": ["lip", "chin"]}, "here")
 
@@ -94,6 +95,7 @@ def test_a_saved_coding_is_the_same(coding, tmp_path):
         assert getattr(again, name) == getattr(coding, name)
     points = recordings(seed=4)[1][1]
     np.testing.assert_array_equal(again.encode(points, "ben"), coding.encode(points, "ben"))
+    assert coding_regions(path) == coding.regions
     header = read_coding_header(path)
     assert header.kind == "markers" and header.points == "mine" and header.sizes == {"appearance": 12}
 
@@ -115,6 +117,7 @@ def test_a_saved_coding_is_the_same(coding, tmp_path):
         (lambda arrays, plain: plain.update(settings={"normalisation": "none"}), "another version"),
         (lambda arrays, plain: plain.update(kind="aam"), "no visual coding of markers"),
         (lambda arrays, plain: plain.pop("speakers"), "speakers"),
+        (lambda arrays, plain: plain["columns"].update(upper=[0]), "columns of its regions"),
     ],
 )
 def test_hostile_files_are_refused_in_a_sentence(coding, tmp_path, change, said):

@@ -3,7 +3,15 @@
 import pytest
 
 from visualspeech.errors import DataError, SettingError
-from visualspeech.face.markers import MarkerSet, marker_set, marker_set_names, marker_set_path, read_marker_set
+from visualspeech.face.markers import (
+    LANDMARK_NAMES,
+    MarkerSet,
+    landmark_set_names,
+    marker_set,
+    marker_set_names,
+    marker_set_path,
+    read_marker_set,
+)
 
 
 def test_the_sets_have_the_markers_of_their_sources():
@@ -14,7 +22,8 @@ def test_the_sets_have_the_markers_of_their_sources():
         "landmarks_68": {"upper": 22, "middle": 17, "lower": 29},
         "live_link": {"upper": 19, "middle": 5, "lower": 28},
     }
-    assert set(read_marker_set("landmarks_68").names) == {f"point_{number}" for number in range(68)}
+    assert set(read_marker_set("landmarks_68").names) == set(LANDMARK_NAMES)
+    assert landmark_set_names() == ["landmarks_68"]
 
 
 def test_columns_hold_every_coordinate_once_in_its_region():

@@ -6,7 +6,7 @@ computed by light jobs and a talking head can encode new speech.
 """
 
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from importlib import import_module
 from pathlib import Path
 from pkgutil import iter_modules
@@ -37,6 +37,7 @@ class Source:
     parameters : (frames, N) recorded parameters of the visual coding, an array or what NumPy makes one of; None where
         no block needs ``faces``, and for new speech
     id : of a recorded utterance; empty for new speech
+    speaker : who speaks in a recorded utterance; empty for new speech
     """
 
     frames: int
@@ -46,6 +47,7 @@ class Source:
     begin: float = 0.0
     parameters: "np.ndarray | StoredParameters | None" = None
     id: str = ""
+    speaker: str = ""
 
 
 @dataclass(frozen=True, eq=False)
@@ -73,6 +75,8 @@ class Block(Protocol):
     ``encoding_needs(settings)``, see :func:`encoding_needs`, and ``encoded_from``. One that is computed from another
     block of the system has ``made_of``, see :func:`parts_of`, and its ``fit`` takes the fitted blocks by name as a
     fourth argument. One that keeps what only training utterances need has ``for_new_speech()``, the block without it.
+    One that normalises per speaker has ``with_speakers(sources)``, see :func:`with_unseen_speakers`. One that needs an
+    optional package has ``unavailable()``, see :func:`unavailable`.
     """
 
     kind: ClassVar[str]
@@ -174,6 +178,19 @@ def for_new_speech(block: Block) -> Block:
     return block.for_new_speech() if hasattr(block, "for_new_speech") else block
 
 
+def with_unseen_speakers(block: Block, sources: Iterable[Source]) -> Block:
+    """A block that also knows the speakers who have no training utterance, from all utterances of theirs.
+
+    Only their sound is used, as it is where a speaker is new; other blocks stay as they are.
+    """
+    return block.with_speakers(sources) if hasattr(block, "with_speakers") else block
+
+
+def unavailable(block: "type[Block]") -> str:
+    """Why blocks of this class cannot be computed with what is installed, and what to do; empty if they can."""
+    return block.unavailable() if hasattr(block, "unavailable") else ""
+
+
 def is_segmental(block: "type[Block] | Block") -> bool:
     """Whether the rows of a block, or of its class, are segments; a class that says nothing has frames."""
     return bool(getattr(block, "segmental", False))
@@ -233,6 +250,7 @@ def read_sources(
     complete: bool = False,
     audio=None,
     faces: bool = False,
+    speakers: Mapping[str, str] = MappingProxyType({}),
 ) -> dict[str, Source]:
     """What blocks are computed from, of the utterances of one shard, by id.
 
@@ -247,6 +265,7 @@ def read_sources(
     complete : whether there must be an alignment of all of them; raises :class:`StorageError` where one is missing
     audio : open reader or collection of the sound, which is read when a block asks for it; None where it is not needed
     faces : whether the recorded parameters are needed, which are read from the targets when a block asks for them
+    speakers : who speaks, by id
     """
     alignments = None if alignment is None else read_alignments(alignment)
     for name in ids if complete and alignments is not None else ():
@@ -261,6 +280,7 @@ def read_sources(
                 None if audio is None else Sound(StoredSamples(audio, name), audio.rate(name)),
                 parameters=StoredParameters(targets, name) if faces else None,
                 id=name,
+                speaker=speakers.get(name, ""),
             )
     return found
 
@@ -272,7 +292,7 @@ class Sources:
     Parameters
     ----------
     alignments : tables of the shards; empty where no alignment is needed
-    targets, ids, audio, faces : see :func:`read_sources`
+    targets, ids, audio, faces, speakers : see :func:`read_sources`
     """
 
     alignments: Sequence[str | Path]
@@ -280,8 +300,11 @@ class Sources:
     ids: Collection[str]
     audio: object = None
     faces: bool = False
+    speakers: Mapping[str, str] = field(default_factory=dict)
 
     def __iter__(self) -> Iterator[Source]:
         # Without an alignment, one pass over all shards.
         for path in self.alignments or [None]:
-            yield from read_sources(path, self.targets, self.ids, audio=self.audio, faces=self.faces).values()
+            yield from read_sources(
+                path, self.targets, self.ids, audio=self.audio, faces=self.faces, speakers=self.speakers
+            ).values()

@@ -1,0 +1,24 @@
+# Motion capture takes the place of landmarks and pose in corpora without video.
+rule read_motion:
+    input:
+        checked=ancient("<corpus>/check/findings.tsv"),
+        utterances="<corpus>/corpus/utterances/{shard}.tsv",
+        audio="<corpus>/audio/{shard}.h5",
+    output:
+        motion="<corpus>/motion/{shard}.h5",
+        findings="<corpus>/motion/{shard}.findings.tsv",
+    log:
+        "<corpus>/logs/read_motion/{shard}.log",
+    benchmark:
+        "<corpus>/benchmarks/read_motion/{shard}.tsv"
+    threads: 1
+    resources:
+        mem_mb=1500,
+        disk_mb=1000,
+    params:
+        settings=SETTINGS["motion"],
+        source=motion_of,
+        recordings=recordings_digest,
+        code=code("read_motion.py"),
+    script:
+        "../scripts/read_motion.py"
