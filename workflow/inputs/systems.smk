@@ -170,7 +170,7 @@ def recorded_points(wildcards):
     """Input function: the recorded points of the job's shard, or of all shards: landmarks in the frontal frame, or motion
     capture where there is no video."""
     pattern = f"<corpus>/{'pose' if gives(wildcards, 'video') else 'motion'}/{{shard}}.h5"
-    return filled(pattern, wildcards) if hasattr(wildcards, "shard") else shards(pattern)(wildcards)
+    return filled(pattern, wildcards)[0] if hasattr(wildcards, "shard") else shards(pattern)(wildcards)
 
 
 def recorded_names(wildcards):
