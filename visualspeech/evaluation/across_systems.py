@@ -190,7 +190,7 @@ def _lip_table(text, systems: Sequence[SystemRows], bootstrap: BootstrapSettings
     measured = [(system, system.lips.pooled()) for system in systems]
     recorded = tuple(Cell(text.get(("", RECORDED, LIPS, name), ("",))[0]) for name in LIP_COLUMNS)
     notes = (
-        "The best value in each column is bold; floors are left out, and baselines in the columns of the model.",
+        "The best value in each column is bold, of models alone: floors and baselines are left out.",
         "Predictions are decoded to lip points and compared with the recorded lips at the frames of the camera. The "
         "floor of a system is the recorded face through its visual coding and frame rate. A rate of closure above that "
         "of the recorded faces means that the lips close more often than the speaker's.",
@@ -257,15 +257,12 @@ def _with_protocol(metric: Metric) -> str:
 
 
 def _best(text, measured, columns) -> set[tuple[str, str, str, str]]:
-    """Keys of the best cells over all systems."""
+    """Keys of the best cells over all systems. Among lips only models compete: a trivial baseline that has the best
+    figure of one column is no model to choose."""
     rows = [(system.facts.system, row) for system, pooled in measured for row in pooled.rows if competes(row)]
     found = set()
     for metric, part in columns:
-        keys = [
-            (system, row.name, part, metric.name)
-            for system, row in rows
-            if row.role == "model" or metric.name not in COSTS
-        ]
+        keys = [(system, row.name, part, metric.name) for system, row in rows if part != LIPS or row.role == "model"]
         found |= best_of(metric, {key: text[key][0] for key in keys})
     return found
 

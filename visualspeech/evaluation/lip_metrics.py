@@ -116,7 +116,7 @@ ACROSS: dict[str, Metric] = {
         ),
     )
 }
-#: What a prediction costs. Baselines are too small to be compared with models in it.
+#: What a prediction costs.
 COSTS = ("frames_per_second", "parameters")
 #: Decimals that differ from those of the table.
 DIGITS = {"lag": 1, "frames_per_second": 0, "parameters": 0}

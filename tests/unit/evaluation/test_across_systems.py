@@ -142,7 +142,7 @@ def test_the_lips_lead_and_the_best_of_all_systems_is_bold():
     }
     nets = [(2, "FBB-1"), (6, "FBB-1")]
     assert all(best[name] == nets for name in ("lip_distance", "jerk", "lag", "closure", "silence", "opening_ccc"))
-    # Baselines cost nothing, and are not compared with models in it; a rate of frames is the same here for all.
+    # Baselines are not compared with models; a rate of frames is the same here for all.
     assert best["parameters"] == nets and {title for _, title in best["frames_per_second"]} == {"FBB-1"}
     assert [cell.text for cell in rows[0, "Recorded faces"]][-4:] == ["0.667", "0.700", "", ""]
     # What has no spread has no interval.
