@@ -1,4 +1,4 @@
-"""The system sadoughi2017 on the tiny run, and on two speakers with emotions: rows, tables, figure, controls, report."""
+"""The system sadoughi2017 on the tiny run, and on two speakers with emotions: rows, tables, controls, report."""
 
 import shutil
 
