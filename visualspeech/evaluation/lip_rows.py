@@ -4,45 +4,14 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 
 from visualspeech.corpora.records import Utterance
 from visualspeech.errors import DamagedFile
-from visualspeech.evaluation.lip_statistics import TrackedSpeaker, at_frames, lip_statistics, tracked_speaker
-from visualspeech.face.mouth import Mouth
+from visualspeech.evaluation.lip_statistics import at_frames, lip_statistics
+from visualspeech.evaluation.tracked import TrackedSpeaker
+from visualspeech.face.mouth import MouthNames, point_names
 from visualspeech.models.size import parameter_count
 from visualspeech.models.speed import read_speed
 from visualspeech.speech.alignment import Alignment
 from visualspeech.storage.models import read_model
 from visualspeech.storage.tables import read_table
-
-
-def tracked_speakers(
-    utterances: Iterable[Utterance],
-    faces,
-    mouth: Mouth,
-    alignments: Mapping[str, Alignment],
-    eye_distances: Mapping[str, float],
-) -> list[TrackedSpeaker]:
-    """What the measures need to know of each speaker, in the order of ``eye_distances``.
-
-    Parameters
-    ----------
-    utterances : training utterances
-    faces : opened files of tracked ``points``
-    mouth : the lips among them
-    alignments : of these utterances, by id
-    eye_distances : of all speakers by name, in the unit of the points
-    """
-    own: dict[str, list[str]] = {speaker: [] for speaker in eye_distances}
-    for one in utterances:
-        own[one.speaker].append(one.id)
-    return [
-        tracked_speaker(
-            speaker,
-            eye_distances[speaker],
-            ((mouth.opening(faces.array(one, "points")), alignments[one], faces.rate(one)) for one in ids)
-            if mouth.upper
-            else (),
-        )
-        for speaker, ids in own.items()
-    ]
 
 
 def lip_rows(
@@ -51,7 +20,8 @@ def lip_rows(
     predictions,
     faces,
     coding,
-    mouths: tuple[Mouth, Mouth],
+    mouth: MouthNames,
+    names: Sequence[str],
     alignments: Mapping[str, Alignment],
     speakers: Mapping[str, TrackedSpeaker],
 ) -> Iterator[dict]:
@@ -62,9 +32,9 @@ def lip_rows(
     row : its name
     utterances : test utterances
     predictions : opened file of predicted ``appearance`` at the system's frame rate
-    faces : opened files of tracked ``points`` at the camera's frame rate
+    faces : opened files of recorded ``points`` at the camera's frame rate
     coding : :class:`visualspeech.face.coding.VisualCoding`
-    mouths : the lips among the points of the coding, and among the tracked ones
+    mouth, names : the lips, and the names of the recorded points
     alignments, speakers : by id, and by name
 
     Raises
@@ -74,9 +44,10 @@ def lip_rows(
     DataError
         As :func:`lip_statistics`.
     """
+    mouths = mouth.among(point_names(coding)), mouth.among(names)
     for one in utterances:
         true, rate = faces.array(one.id, "points"), faces.rate(one.id)
-        decoded = coding.decode_points(predictions.array(one.id, "appearance"))
+        decoded = coding.decode_points(predictions.array(one.id, "appearance"), one.speaker)
         read = at_frames(decoded, predictions.rate(one.id), len(true), rate)
         found = lip_statistics(read, true, mouths, alignments[one.id], rate, speakers[one.speaker])
         yield {"row": row, "id": one.id, "rate": rate, **found}

@@ -285,10 +285,11 @@ rule measure_tracked_lips:
     input:
         utterances="<corpus>/utterances.tsv",
         heads=heads_of,
-        faces=shards("<corpus>/pose/{shard}.h5"),
+        faces=recorded_points,
         alignment=shards("<corpus>/alignment/{shard}.tsv"),
     output:
-        "<corpus>/tracked_lips.tsv",
+        speakers="<corpus>/tracked_lips.tsv",
+        mouth="<corpus>/mouth.tsv",
     log:
         "<corpus>/logs/measure_tracked_lips.log",
     threads: 1
@@ -296,7 +297,8 @@ rule measure_tracked_lips:
         mem_mb=500,
         disk_mb=50,
     params:
-        speakers=lambda wildcards: list(PLAN.corpora[wildcards.corpus].speakers),
+        speakers=speakers_with_heads,
+        names=recorded_names,
         code=code("measure_tracked_lips.py"),
     script:
         "../scripts/measure_tracked_lips.py"
@@ -307,7 +309,8 @@ rule measure_across:
         utterances=of_coding("utterances.tsv"),
         coding=of_coding("model.safetensors"),
         speakers="<corpus>/tracked_lips.tsv",
-        faces=shards("<corpus>/pose/{shard}.h5"),
+        mouth="<corpus>/mouth.tsv",
+        faces=recorded_points,
         alignment=shards("<corpus>/alignment/{shard}.tsv"),
         predictions=predictions_of_rows(ROLES),
         models=statistics_of(PREDICTING, file="model.safetensors"),
@@ -324,6 +327,7 @@ rule measure_across:
         mem_mb=1000,
         disk_mb=50,
     params:
+        names=recorded_names,
         rows=lambda wildcards: [row.name for row in rows_of(wildcards.system)],
         models=lambda wildcards: [row.name for row in rows_of(wildcards.system, PREDICTING)],
         code=code("measure_across.py"),

@@ -21,9 +21,9 @@ from visualspeech.evaluation.across_systems import (
     systems_tables,
 )
 from visualspeech.evaluation.facts import TableFacts
-from visualspeech.evaluation.lip_metrics import ACROSS
+from visualspeech.evaluation.lip_metrics import ACROSS, COSTS
 from visualspeech.evaluation.measured import MeasuredRows
-from visualspeech.evaluation.metrics import corpus_figure
+from visualspeech.evaluation.metrics import METRICS, corpus_figure
 from visualspeech.evaluation.statistics import BootstrapSettings
 
 BOOTSTRAP = BootstrapSettings(200, 0.95, 1)
@@ -95,18 +95,16 @@ def test_ratios_are_to_the_training_mean_of_the_own_system():
 
 
 def test_lips_have_the_figures_of_their_definitions():
-    frame = systems_frame(systems(), BOOTSTRAP).set_index(["system", "row", "metric"])
-    for name, row, error in (
-        ("fan2015", "FBB-64", 0.25),
-        ("markers", "FBB-64", 0.5),
-        ("fan2015", "training_mean", 1.0),
-    ):
-        found, size = frame.loc[name, row]["value"], 1 - error
-        weights = np.arange(8) + 40.0
+    frame = systems_frame(systems(), BOOTSTRAP)
+    lines = {(line.system, line.row, line.metric): line for line in frame.itertuples() if line.part == "lips"}
+    errors = {("fan2015", "FBB-64"): 0.25, ("markers", "FBB-64"): 0.5, ("fan2015", "training_mean"): 1.0}
+    for (name, row), error in errors.items():
+        found = {metric: line.value for (*of, metric), line in lines.items() if of == [name, row]}
+        size, weights = 1 - error, np.arange(8) + 40.0
         assert found["lip_distance"] == pytest.approx(2 * error * np.average(ERRORS, weights=weights))
         assert found["jerk"] == pytest.approx(size)
         assert found["width_ccc"] == pytest.approx(2 * size / (size**2 + 1))
-        assert found["width_corr"] == pytest.approx(1) or error == 1
+        assert found["width_corr"] == (pytest.approx(1) if size else pytest.approx(np.nan, nan_ok=True))
         assert found["frames_per_second"] == pytest.approx(weights.sum() / 4)
         assert found["parameters"] == pytest.approx(1000 * error)
         if name != "markers":
@@ -114,12 +112,23 @@ def test_lips_have_the_figures_of_their_definitions():
             assert found["lag"] == pytest.approx(100 * error)
             assert found["silence"] == pytest.approx(0.8 - 0.4 * error)
             assert found["opening_ccc"] == found["width_ccc"]
-    assert frame.loc["markers", "FBB-64"]["value"][["closure", "silence", "opening_corr", "lag"]].isna().all()
-    assert frame.loc["fan2015", "floor"]["value"][["frames_per_second", "parameters"]].isna().all()
-    recorded = frame.loc["", RECORDED]["value"]
-    assert recorded.to_dict() == pytest.approx({"closure": 2 / 3, "silence": 0.7})
-    line = frame.loc["fan2015", "FBB-64", "lip_distance"]
-    assert line["low"] < line["value"] < line["high"]
+    for metric in ("closure", "silence", "opening_corr", "opening_ccc", "lag"):
+        assert np.isnan(lines["markers", "FBB-64", metric].value)
+    assert all(np.isnan(lines["fan2015", "floor", name].value) for name in COSTS)
+    recorded = {metric: line.value for (_, row, metric), line in lines.items() if row == RECORDED}
+    assert recorded == pytest.approx({"closure": 2 / 3, "silence": 0.7})
+    line = lines["fan2015", "FBB-64", "lip_distance"]
+    assert line.low < line.value < line.high
+
+
+def test_systems_whose_parameters_are_not_measured_are_left_out_of_the_second_table():
+    names = [column for name, _ in COLUMNS for column in METRICS[name].columns if column != "frames"]
+    first, markers = system("fan2015", 25.0, 1.0, ""), system("markers", 25.0, 1.0, "", drop=names)
+    for given, titles in (((first, markers), ["The system fan2015"]), ((markers,), None)):
+        lead, *others = systems_tables(systems_frame(given, BOOTSTRAP), given, BOOTSTRAP)
+        headings = [row.title.partition(":")[0] for one in others for row in one.rows if not row.cells]
+        assert headings == (titles or []) and len(others) == bool(titles)
+        assert len([row for row in lead.rows if not row.cells]) == len(given)
 
 
 def test_the_lips_lead_and_the_best_of_all_systems_is_bold():
@@ -133,7 +142,7 @@ def test_the_lips_lead_and_the_best_of_all_systems_is_bold():
     }
     nets = [(2, "FBB-1"), (6, "FBB-1")]
     assert all(best[name] == nets for name in ("lip_distance", "jerk", "lag", "closure", "silence", "opening_ccc"))
-    # Baselines cost nothing, and are not compared with models in it; a rate of frames is the same here for all.
+    # Baselines are not compared with models; a rate of frames is the same here for all.
     assert best["parameters"] == nets and {title for _, title in best["frames_per_second"]} == {"FBB-1"}
     assert [cell.text for cell in rows[0, "Recorded faces"]][-4:] == ["0.667", "0.700", "", ""]
     # What has no spread has no interval.

@@ -7,19 +7,22 @@ from tests.unit.speech.alignments import spoken
 from visualspeech.corpora.records import Utterance
 from visualspeech.errors import DamagedFile, DataError
 from visualspeech.evaluation.lip_metrics import ACROSS
-from visualspeech.evaluation.lip_rows import cost_rows, lip_rows, lip_table, read_lip_tables, tracked_speakers
-from visualspeech.evaluation.lip_statistics import (
+from visualspeech.evaluation.lip_rows import cost_rows, lip_rows, lip_table, read_lip_tables
+from visualspeech.evaluation.lip_statistics import at_frames, lip_statistics, recorded_closures
+from visualspeech.evaluation.metrics import is_measured, statistics_of, total
+from visualspeech.evaluation.tracked import (
     TrackedSpeaker,
-    at_frames,
-    lip_statistics,
+    mean_face,
+    read_mouth,
     read_speakers,
-    recorded_closures,
     tracked_speaker,
+    tracked_speakers,
+    write_mouth,
     write_speakers,
 )
-from visualspeech.evaluation.metrics import is_measured, statistics_of, total
+from visualspeech.face.markers import LANDMARK_NAMES
 from visualspeech.face.mean_face import MEAN_FACE
-from visualspeech.face.mouth import CORNERS, LIPS, LOWER, TRACKED, Mouth, mouth_of
+from visualspeech.face.mouth import LANDMARK_MOUTH, Mouth, MouthNames
 from visualspeech.face.point_sets import read_point_set, to_vector
 from visualspeech.models.speed import write_speed
 from visualspeech.storage.models import write_model
@@ -27,6 +30,8 @@ from visualspeech.storage.tables import write_table
 
 RATE = 25.0
 SPEAKER = TrackedSpeaker("anna", 80.0, -1.0, 9)
+TRACKED = LANDMARK_MOUTH.among(LANDMARK_NAMES)
+LIPS, CORNERS, LOWER = TRACKED.lips, TRACKED.corners, TRACKED.lower
 BOTH = (TRACKED, TRACKED)
 POINTS = read_point_set("lips_jaw_nostrils_34")
 
@@ -174,7 +179,7 @@ def test_predictions_are_read_in_the_middle_of_the_frames():
 
 def test_lips_that_do_not_fit_are_refused():
     true = faces(times_of(30))
-    with pytest.raises(DataError, match=r"\(29, 20, 2\), the tracked ones \(30, 20, 2\)"):
+    with pytest.raises(DataError, match=r"\(29, 68, 2\), the recorded ones \(30, 68, 2\)"):
         measured(true[1:], true)
     damaged = true.copy()
     damaged[4, 50] = np.nan
@@ -189,8 +194,9 @@ def test_what_faces_cannot_give_is_left_out():
     found = figures(measured(points, points, speaker=unknown, mouths=(outer, outer)))
     assert set(found) == {"lip_distance", "width_corr", "width_ccc", "jerk"}
     assert np.isnan(found["lip_distance"]) and found["width_corr"] == pytest.approx(1) and found["jerk"] == 1
-    # No lips at all.
-    assert figures(measured(points, points, speaker=unknown, mouths=(Mouth(()), Mouth(())))) == {}
+    # No lips at all, or none in the coding.
+    assert figures(measured(points, points, speaker=unknown, mouths=(Mouth(), Mouth()))) == {}
+    assert figures(measured(points, points, speaker=unknown, mouths=(Mouth(), outer))) == {}
 
 
 class Opened(dict):
@@ -209,7 +215,8 @@ class Coding:
     points = POINTS
 
     @staticmethod
-    def decode_points(parameters):
+    def decode_points(parameters, speaker):
+        assert speaker in ("anna", "ben")
         return np.stack(np.split(parameters, 2, axis=1), axis=2)
 
 
@@ -229,7 +236,7 @@ def lines(order):
     aligned = {one.id: spoken(("sil", 0.5), ("b", 0.2), ("iy", 1.3)) for one in utterances}
     speakers = tracked_speakers(utterances, tracked, TRACKED, aligned, {"anna": 80.0, "ben": 90.0})
     by_name = {one.speaker: one for one in speakers}
-    return lip_rows("net", utterances, predictions, tracked, Coding, (mouth_of(POINTS), TRACKED), aligned, by_name)
+    return lip_rows("net", utterances, predictions, tracked, Coding, LANDMARK_MOUTH, LANDMARK_NAMES, aligned, by_name)
 
 
 def test_a_faster_system_is_measured_at_the_frames_of_the_camera():
@@ -274,3 +281,32 @@ def test_speakers_are_kept_in_a_table(tmp_path):
     write_speakers(path, [SPEAKER, SPEAKER])
     with pytest.raises(DamagedFile, match="several rows"):
         read_speakers(path)
+
+
+def test_the_mouth_is_kept_in_a_table(tmp_path):
+    path = tmp_path / "mouth.tsv"
+    for mouth in (LANDMARK_MOUTH, MouthNames(), MouthNames(("a", "b c"), ("b c", "a"))):
+        write_mouth(path, mouth)
+        read = read_mouth(path)
+        assert (read.lips, read.corners, read.upper, read.lower) == (
+            mouth.lips,
+            mouth.corners,
+            mouth.upper,
+            mouth.lower,
+        )
+    path.write_text("part\tpoint\nbeard\ta\n")
+    with pytest.raises(DamagedFile, match="none of lips, corners, upper, lower"):
+        read_mouth(path)
+
+
+def test_the_mean_face_is_that_of_all_frames():
+    generator = np.random.default_rng(5)
+    found = Opened({name: {"points": generator.normal(size=(n, 4, 3))} for name, n in (("a", 5), ("b", 9))})
+    every = np.concatenate([one["points"] for one in found.values()])
+    np.testing.assert_allclose(mean_face(["a", "b"], found), every.mean(axis=0))
+
+
+def test_without_inner_lips_no_opening_counts_as_closed():
+    utterances, tracked, _ = corpus(range(2))
+    (found,) = tracked_speakers(utterances, tracked, None, {}, {"anna": float("nan")})
+    assert np.isnan(found.closed) and found.occurrences == 0 and found.unit == 1

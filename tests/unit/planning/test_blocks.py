@@ -6,6 +6,7 @@ from tests.unit.planning.configs import resolved
 from visualspeech.errors import SettingError
 from visualspeech.models.rows import ModelRow
 from visualspeech.planning.blocks import read_faces, speaking_row
+from visualspeech.speech import egemaps
 
 BLOCKS = {
     "dv": {"kind": "dynamic_visemes"},
@@ -67,3 +68,17 @@ def test_the_shown_model_speaks_where_it_can_and_else_the_first_that_can():
     blind = [row for row in rows if row.name == "cheat" or row.role == "floor"]
     assert speaking_row(blind, system["blocks"], "cheat") == ""
     assert resolved(changed(speak={"model": "honest"}))["speak"]["model"] == "honest"
+
+
+def test_a_block_whose_package_is_missing_is_refused(monkeypatch):
+    over = changed({"spoken": {"kind": "speech44"}}, {"heard": {"like": "honest", "reads": ["spoken"]}})
+    monkeypatch.setattr(egemaps, "find_spec", lambda name: True)
+    assert resolved(over)["systems"]["fan2015"]["blocks"]["spoken"]["settings"]["scaling"] == "speaker"
+    monkeypatch.setattr(egemaps, "find_spec", lambda name: None)
+    said = (
+        r"systems\.fan2015\.blocks\.spoken\.kind: speech44` cannot be computed: the package opensmile is not installed"
+    )
+    with pytest.raises(SettingError, match=rf"{said}.*pip install -e '\.\[egemaps\]'.*speech27") as refused:
+        resolved(over)
+    assert "\n" not in str(refused.value)
+    assert resolved(changed({"spoken": {"kind": "speech27"}}, {"heard": {"like": "honest", "reads": ["spoken"]}}))
