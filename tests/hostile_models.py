@@ -42,7 +42,7 @@ from visualspeech.features.blocks.phone_track import PhoneTrack, PhoneTrackSetti
 from visualspeech.features.blocks.triphone_state import TriphoneState
 from visualspeech.features.blocks.viseme_context import VisemeContext
 from visualspeech.features.examples import Example
-from visualspeech.models import dnn, ensemble, gv_compensation, lookup, mean, stack
+from visualspeech.models import dnn, ensemble, gv_compensation, joint, lookup, mean, stack
 from visualspeech.models.hmm import family as hmm
 from visualspeech.models.registry import load_model
 from visualspeech.models.rows import ModelRow
@@ -55,10 +55,10 @@ from visualspeech.storage.models import read_model, write_model
 
 PHONES = ("sil", "aa", "b", "iy", "m", "s")
 #: One of each family, HSMMs that read numbers beside phones, a stack of sound, one of contextual features, one of
-#: dynamic visemes, and a network of convolutions with dynamic outputs.
+#: dynamic visemes, a network of convolutions with dynamic outputs, and one with regions.
 MODELS = (
     "stack", "convolutions", "dnn", "hmm", "hsmm", "lookup", "mean", "ensemble", "gv_compensation", "linguistic",
-    "visemes", "sound",
+    "visemes", "sound", "joint",
 )  # fmt: skip
 BY_FRAME = {"batcher": "shuffled_frames", "objective": "mse", "scaling": "dimension"}
 WHOLE = 0.02  # share of the cases that load a whole folder and render it
@@ -118,6 +118,10 @@ def make(folder: Path) -> Path:
     windowed = task("dnn", settings, TriphoneState(PHONES), options={"max_epochs": 2, **BY_FRAME})
     windowed = replace(windowed, row=replace(windowed.row, windows={"triphone_state": 0.12}))
     dnn.fit(windowed).model.save(made / "model_dnn.safetensors")
+    regions = {"upper": [1], "lower": [0, *range(2, len(bundle.rest))]}
+    settings = {"nodes": 4, "shared": 1, "trajectory": "mlpg"}
+    joined = replace(task("joint", settings, TriphoneState(PHONES), options={"max_epochs": 2}), regions=regions)
+    joint.fit(joined).model.save(made / "model_joint.safetensors")
     visemes = viseme_blocks([bundle.rest + spread * random.normal(size=(25, len(spread))) for _ in range(4)])
     seen = task("stack", {"letters": "F", "nodes": 4}, *visemes, options={"max_epochs": 2})
     stack.fit(seen).model.save(made / "model_visemes.safetensors")

@@ -23,7 +23,7 @@ from contextlib import suppress
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from tests.workflow.running import command, snakemake
+from tests.workflow.running import command, same_in_every_run, snakemake
 
 CORPUS = Path("results", "tiny")
 
@@ -40,7 +40,10 @@ STAGES = (
     ("fan2015/tables", "fan2015/videos", "tables", "report.html"),
 )
 #: Files of one run only: they hold times of day and durations.
-OF_ONE_RUN = ("logs", "benchmarks", "learning_curve.tsv", "report.html", ".snakemake_timestamp", ".lock", ".jobs.lock")
+OF_ONE_RUN = (
+    "logs", "benchmarks", "learning_curve.tsv", "speed.tsv", "costs.tsv", "report.html", ".snakemake_timestamp",
+    ".lock", ".jobs.lock",
+)  # fmt: skip
 
 TARGETS = {"group": 4, "main process": 3, "job": 3}
 SIGNALS = {signal.SIGKILL: 6, signal.SIGTERM: 2, signal.SIGINT: 2}
@@ -185,8 +188,10 @@ def forget(folder: Path, chance: random.Random) -> None:
 def compared(folder: Path) -> dict[str, bytes]:
     """The files of a run that must be the same in every run, by path."""
     results = folder / CORPUS
-    paths = (path.relative_to(results) for path in sorted(results.rglob("*")) if path.is_file())
-    return {str(path): (results / path).read_bytes() for path in paths if not set(path.parts) & set(OF_ONE_RUN)}
+    paths = (path for path in sorted(results.rglob("*")) if path.is_file())
+    return same_in_every_run(
+        results, [path for path in paths if not set(path.relative_to(results).parts) & set(OF_ONE_RUN)]
+    )
 
 
 def differences(folder: Path, reference: Path) -> Iterator[str]:

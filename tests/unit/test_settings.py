@@ -380,7 +380,7 @@ def test_planning_imports_nothing_heavy():
 def test_the_examples_of_the_reference_are_taken():
     blocks = (CONFIG / "README.md").read_text().split("```yaml\n")[1:]
     examples = [yaml.safe_load(block.split("```")[0]) for block in blocks]
-    assert len(examples) == 6
+    assert len(examples) == 7
     for example in examples:
         example.pop("corpora", None)
         if set(example) == {"models"}:

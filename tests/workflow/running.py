@@ -65,11 +65,25 @@ def planned_rules(folder: Path, *arguments: str, configfiles: tuple = (TINY,)) -
     return {line.split()[1].rstrip(":") for line in lines if line.startswith(("rule ", "localrule "))}
 
 
+#: The table across systems for readers: it shows how fast models predict, which differs from run to run.
+TIMED = {f"tables/systems.{form}" for form in ("md", "tex", "html")}
+
+
+def same_in_every_run(results: Path, paths) -> dict[str, bytes]:
+    """Files of a corpus's results by path, without the figures that are measured times."""
+    found = {str(path.relative_to(results)): path.read_bytes() for path in paths}
+    found = {name: content for name, content in found.items() if name not in TIMED}
+    if (across := found.get("tables/systems.tsv")) is not None:
+        lines = [line for line in across.splitlines(keepends=True) if b"\tframes_per_second\t" not in line]
+        assert len(lines) < len(across.splitlines())
+        found["tables/systems.tsv"] = b"".join(lines)
+    return found
+
+
 def tables(folder: Path, corpus: str = "tiny") -> dict[str, bytes]:
-    """The final tables of a run, by path, as bytes."""
+    """The final tables of a run, by path, as bytes, without measured times."""
     results = Path(folder, "results", corpus)
-    found = sorted(path for path in results.rglob("tables/*") if path.is_file())
-    return {str(path.relative_to(results)): path.read_bytes() for path in found}
+    return same_in_every_run(results, sorted(path for path in results.rglob("tables/*") if path.is_file()))
 
 
 def files_of(folder: Path) -> set[str]:

@@ -115,13 +115,17 @@ def _lines(path: Path, text: str, delimiter: str, quoted: bool) -> Iterator[tupl
         except StopIteration:
             return
         except csv.Error as error:
-            said = next((sentence for words, sentence in _CSV_ERRORS.items() if words in str(error)), str(error))
             raise CorpusError(
-                f"{where}: {said} (up to line {reader.line_num}). Close each quote in its cell, and write a quote "
-                'inside a quoted cell twice ("").'
+                f"{where}: {csv_mistake(error)} (up to line {reader.line_num}). Close each quote in its cell, and "
+                'write a quote inside a quoted cell twice ("").'
             ) from error
         if any(row):
             yield where, row
+
+
+def csv_mistake(error: csv.Error) -> str:
+    """What Python's reader found wrong, as this project says it."""
+    return next((sentence for words, sentence in _CSV_ERRORS.items() if words in str(error)), str(error))
 
 
 def _cells(where: str, row: list[str], names: list[str], delimiter: str, quoted: bool) -> dict[str, str]:

@@ -17,6 +17,7 @@ from pathlib import Path
 import numpy as np
 
 from visualspeech.corpora.files import read_bytes
+from visualspeech.corpora.folder_table import csv_mistake
 from visualspeech.corpora.records import displayable
 from visualspeech.errors import RejectedUtterance
 
@@ -281,7 +282,7 @@ def _csv_rows(path: str | Path, shown: str) -> Iterator[tuple[int, list[str]]]:
         except StopIteration:
             return
         except csv.Error as error:
-            raise RejectedUtterance(f"{shown}, line {line}: {error}", _EXPORT) from error
+            raise RejectedUtterance(f"{shown}, line {line}: {csv_mistake(error)}", _EXPORT) from error
         if any(cell.strip() for cell in row):
             yield line, row
 

@@ -149,8 +149,8 @@ def _figure(
 
 def systems_tables(
     frame, systems: Sequence[SystemRows], bootstrap: BootstrapSettings, digits: int = 3, lost: Collection[str] = ()
-) -> tuple[Table, Table]:
-    """Both tables of all systems, with a heading above the rows of each.
+) -> tuple[Table, ...]:
+    """Both tables of all systems, with a heading above the rows of each; the second one where a system has figures.
 
     Parameters
     ----------
@@ -162,10 +162,13 @@ def systems_tables(
         own = DIGITS.get(line.metric, digits) if line.part == LIPS else digits
         values = (line.value, line.low, line.high)
         text[line.system, line.row, line.part, line.metric] = tuple(shown(value, own) for value in values)
-    return (
-        _lip_table(text, systems, bootstrap, lost),
-        _parameter_table(text, systems, bootstrap),
-    )
+    coded = [one for one in systems if any(_is_coded(one, name) for name, _ in COLUMNS)]
+    parameters = (_parameter_table(text, coded),) if coded else ()
+    return (_lip_table(text, systems, bootstrap, lost), *parameters)
+
+
+def _is_coded(system: SystemRows, name: str) -> bool:
+    return is_measured(next(iter(system.measured.tables.values())), METRICS[name])
 
 
 def _facts(systems: Sequence[SystemRows], bootstrap: BootstrapSettings) -> tuple[tuple[str, str], ...]:
@@ -187,8 +190,8 @@ def _lip_table(text, systems: Sequence[SystemRows], bootstrap: BootstrapSettings
     measured = [(system, system.lips.pooled()) for system in systems]
     recorded = tuple(Cell(text.get(("", RECORDED, LIPS, name), ("",))[0]) for name in LIP_COLUMNS)
     notes = (
-        "The best value in each column is bold; floors are left out, and baselines in the columns of the model.",
-        "Predictions are decoded to lip points and compared with the tracked lips at the frames of the camera. The "
+        "The best value in each column is bold, of models alone: floors and baselines are left out.",
+        "Predictions are decoded to lip points and compared with the recorded lips at the frames of the camera. The "
         "floor of a system is the recorded face through its visual coding and frame rate. A rate of closure above that "
         "of the recorded faces means that the lips close more often than the speaker's.",
         *oracle_note([row for _, pooled in measured for row in pooled.rows]),
@@ -211,7 +214,7 @@ def _lip_table(text, systems: Sequence[SystemRows], bootstrap: BootstrapSettings
     )
 
 
-def _parameter_table(text, systems: Sequence[SystemRows], bootstrap: BootstrapSettings) -> Table:
+def _parameter_table(text, systems: Sequence[SystemRows]) -> Table:
     columns = tuple((METRICS[name], part) for name, part in COLUMNS)
     measured = [(system, system.measured.pooled()) for system in systems]
     return Table(
@@ -254,15 +257,12 @@ def _with_protocol(metric: Metric) -> str:
 
 
 def _best(text, measured, columns) -> set[tuple[str, str, str, str]]:
-    """Keys of the best cells over all systems."""
+    """Keys of the best cells over all systems. Among lips only models compete: a trivial baseline that has the best
+    figure of one column is no model to choose."""
     rows = [(system.facts.system, row) for system, pooled in measured for row in pooled.rows if competes(row)]
     found = set()
     for metric, part in columns:
-        keys = [
-            (system, row.name, part, metric.name)
-            for system, row in rows
-            if row.role == "model" or metric.name not in COSTS
-        ]
+        keys = [(system, row.name, part, metric.name) for system, row in rows if part != LIPS or row.role == "model"]
         found |= best_of(metric, {key: text[key][0] for key in keys})
     return found
 

@@ -16,7 +16,7 @@ import numpy as np
 from visualspeech.evaluation.layout import Cell, Row, Table, interval
 from visualspeech.evaluation.measured import MeasuredRows
 from visualspeech.evaluation.metrics import METRICS, Metric, statistics_of
-from visualspeech.evaluation.statistics import BootstrapSettings, Sampled, draws, figure, sample_row
+from visualspeech.evaluation.statistics import BootstrapSettings, Sampled, draws, figure, sample_row, selected
 from visualspeech.fields import MAX_SEED, Settings, setting
 
 TESTS = ("wilcoxon", "permutation")
@@ -98,11 +98,8 @@ def exchange_test(metric: Metric, first: np.ndarray, second: np.ndarray, setting
     both, count = np.concatenate([first, second]), len(first)
 
     def difference(one: np.ndarray, other: np.ndarray, axis: int) -> np.ndarray:
-        # Columns one by one, because samples x utterances x k numbers would not fit into memory.
-        figures = (
-            metric.cost(metric.value(np.stack([column[rows].sum(axis=axis) for column in both.T], axis=-1)))
-            for rows in (one.astype(int), other.astype(int))
-        )
+        chosen = (np.moveaxis(rows.astype(int), axis, -1) for rows in (one, other))
+        figures = (metric.cost(metric.value(selected(both, rows))) for rows in chosen)
         return next(figures) - next(figures)
 
     rows = np.arange(count), np.arange(count, 2 * count)

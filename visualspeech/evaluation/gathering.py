@@ -35,7 +35,7 @@ VISEMES = (
     "gesture begins, in its middle, and at its end"
 )
 #: Stages that process every recorded frame once; other stages have no frames per second.
-FRAME_STAGES = ("check_recordings", "track_landmarks", "normalise_pose")
+FRAME_STAGES = ("check_recordings", "track_landmarks", "normalise_pose", "read_motion")
 
 
 def fragments(paths: Sequence[str]) -> tuple[str, ...]:
@@ -153,10 +153,10 @@ def frames_text(utterances: Sequence[Utterance], targets: ArrayCollection) -> st
     return f"{counts['train']} training, {counts['validation']} validation, {counts['test']} test"
 
 
-def stage_timings(benchmarks: Sequence[str], landmarks: Sequence[str]) -> tuple[StageTiming, ...]:
-    """Cost of the stages from their benchmark files; recorded frames are counted in the landmark files."""
-    with ArrayCollection(landmarks) as tracked:
-        frames = sum(tracked.length(one, "points") for one in tracked.ids)
+def stage_timings(benchmarks: Sequence[str], faces: Sequence[str]) -> tuple[StageTiming, ...]:
+    """Cost of the stages from their benchmark files; recorded frames are counted in the files of the faces."""
+    with ArrayCollection(faces) as recorded:
+        frames = sum(recorded.length(one, "points") for one in recorded.ids)
     return read_timings(benchmarks, dict.fromkeys(FRAME_STAGES, frames))
 
 

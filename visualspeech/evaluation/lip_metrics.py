@@ -6,8 +6,8 @@ Formulae: docs/scoring.md, "Across systems".
 import numpy as np
 
 from visualspeech.evaluation.articulation import MAX_LAG, PERCENTILE, TARGETS, opening_correlation, opening_lag
-from visualspeech.evaluation.lip_statistics import BILABIAL
 from visualspeech.evaluation.metrics import Metric, concordance, quotient
+from visualspeech.evaluation.tracked import BILABIAL
 
 
 def root_ratio(sums: np.ndarray) -> np.ndarray:
@@ -26,7 +26,7 @@ ACROSS: dict[str, Metric] = {
         Metric(
             "lip_distance",
             "distance",
-            "mean over frames and lip points of the Euclidean distance between predicted and tracked point, in % of "
+            "mean over frames and lip points of the Euclidean distance between predicted and recorded point, in % of "
             "the distance of the outer corners of the speaker's eyes",
             "low",
             ("lip_distance_sum", "frames"),
@@ -35,7 +35,7 @@ ACROSS: dict[str, Metric] = {
         Metric(
             "opening_corr",
             "CORR",
-            "correlation over all frames of the opening of the mouth, predicted and tracked",
+            "correlation over all frames of the opening of the mouth, predicted and recorded",
             "high",
             ("opening",),
             opening_correlation,
@@ -51,7 +51,7 @@ ACROSS: dict[str, Metric] = {
         Metric(
             "width_corr",
             "CORR",
-            "correlation over all frames of the width of the mouth, predicted and tracked",
+            "correlation over all frames of the width of the mouth, predicted and recorded",
             "high",
             ("width",),
             opening_correlation,
@@ -81,7 +81,7 @@ ACROSS: dict[str, Metric] = {
         Metric(
             "jerk",
             "jerk",
-            "root mean square third difference over frames of the lip points: predicted divided by tracked (below 1: "
+            "root mean square third difference over frames of the lip points: predicted divided by recorded (below 1: "
             "smoother than the recording, noise of the tracker included)",
             "one",
             ("jerk",),
@@ -90,7 +90,7 @@ ACROSS: dict[str, Metric] = {
         Metric(
             "lag",
             "lag",
-            "time by which the predicted opening comes after the tracked one, at the maximum of their "
+            "time by which the predicted opening comes after the recorded one, at the maximum of their "
             f"cross-correlation within {1000 * MAX_LAG:g} ms",
             "zero",
             ("lag",),
@@ -116,7 +116,7 @@ ACROSS: dict[str, Metric] = {
         ),
     )
 }
-#: What a prediction costs. Baselines are too small to be compared with models in it.
+#: What a prediction costs.
 COSTS = ("frames_per_second", "parameters")
 #: Decimals that differ from those of the table.
 DIGITS = {"lag": 1, "frames_per_second": 0, "parameters": 0}

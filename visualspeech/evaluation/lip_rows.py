@@ -1,76 +1,17 @@
 """The table of lip statistics of a system: a line for each of its rows and test utterances."""
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
 
 from visualspeech.corpora.records import Utterance
 from visualspeech.errors import DamagedFile
-from visualspeech.evaluation.lip_statistics import TrackedSpeaker, at_frames, lip_statistics, tracked_speaker
-from visualspeech.face.mouth import Mouth
+from visualspeech.evaluation.lip_statistics import at_frames, lip_statistics
+from visualspeech.evaluation.tracked import TrackedSpeaker
+from visualspeech.face.mouth import MouthNames, point_names
 from visualspeech.models.size import parameter_count
 from visualspeech.models.speed import read_speed
 from visualspeech.speech.alignment import Alignment
 from visualspeech.storage.models import read_model
 from visualspeech.storage.tables import read_table
-
-
-@dataclass(frozen=True)
-class Cost:
-    """What the predictions of a model cost.
-
-    Parameters
-    ----------
-    parameters : number of parameters
-    seconds : processor seconds of the prediction of each utterance, by id
-    """
-
-    parameters: int
-    seconds: Mapping[str, float]
-
-    @classmethod
-    def of(cls, model, speed) -> "Cost":
-        """From the file of a model and that of the times of its predictions; raises :class:`StorageError`."""
-        return cls(parameter_count(read_model(model)[0]), read_speed(speed))
-
-    def statistics(self, utterance_id: str) -> dict[str, float]:
-        """The columns that the measures of cost need; NaN for an utterance that was not timed."""
-        return {"parameters": self.parameters, "seconds": self.seconds.get(utterance_id, float("nan"))}
-
-
-#: Of what is no model.
-NO_COST = {"parameters": float("nan"), "seconds": float("nan")}
-
-
-def tracked_speakers(
-    utterances: Iterable[Utterance],
-    faces,
-    mouth: Mouth,
-    alignments: Mapping[str, Alignment],
-    eye_distances: Mapping[str, float],
-) -> list[TrackedSpeaker]:
-    """What the measures need to know of each speaker, in the order of ``eye_distances``.
-
-    Parameters
-    ----------
-    utterances : training utterances
-    faces : opened files of tracked ``points``
-    mouth : the lips among them
-    alignments : of these utterances, by id
-    eye_distances : of all speakers by name, in the unit of the points
-    """
-    own: dict[str, list[str]] = {speaker: [] for speaker in eye_distances}
-    for one in utterances:
-        own[one.speaker].append(one.id)
-    return [
-        tracked_speaker(
-            speaker,
-            eye_distances[speaker],
-            ((mouth.opening(faces.array(one, "points")), alignments[one], faces.rate(one)) for one in ids)
-            if mouth.upper
-            else (),
-        )
-        for speaker, ids in own.items()
-    ]
 
 
 def lip_rows(
@@ -79,10 +20,10 @@ def lip_rows(
     predictions,
     faces,
     coding,
-    mouths: tuple[Mouth, Mouth],
+    mouth: MouthNames,
+    names: Sequence[str],
     alignments: Mapping[str, Alignment],
     speakers: Mapping[str, TrackedSpeaker],
-    cost: Cost | None = None,
 ) -> Iterator[dict]:
     """The lines of one row.
 
@@ -91,11 +32,10 @@ def lip_rows(
     row : its name
     utterances : test utterances
     predictions : opened file of predicted ``appearance`` at the system's frame rate
-    faces : opened files of tracked ``points`` at the camera's frame rate
+    faces : opened files of recorded ``points`` at the camera's frame rate
     coding : :class:`visualspeech.face.coding.VisualCoding`
-    mouths : the lips among the points of the coding, and among the tracked ones
+    mouth, names : the lips, and the names of the recorded points
     alignments, speakers : by id, and by name
-    cost : of the row; None for what is no model
 
     Raises
     ------
@@ -104,35 +44,64 @@ def lip_rows(
     DataError
         As :func:`lip_statistics`.
     """
+    mouths = mouth.among(point_names(coding)), mouth.among(names)
     for one in utterances:
         true, rate = faces.array(one.id, "points"), faces.rate(one.id)
-        decoded = coding.decode_points(predictions.array(one.id, "appearance"))
+        decoded = coding.decode_points(predictions.array(one.id, "appearance"), one.speaker)
         read = at_frames(decoded, predictions.rate(one.id), len(true), rate)
         found = lip_statistics(read, true, mouths, alignments[one.id], rate, speakers[one.speaker])
-        costs = cost.statistics(one.id) if cost else NO_COST
-        yield {"row": row, "id": one.id, "rate": rate, **found, **costs}
+        yield {"row": row, "id": one.id, "rate": rate, **found}
 
 
 def lip_table(lines: Iterable[dict]):
-    """The table (:class:`pandas.DataFrame`) of lines of :func:`lip_rows`, those of each row sorted by id."""
+    """The table (:class:`pandas.DataFrame`) of lines of :func:`lip_rows` or :func:`cost_rows`, each row's by id."""
     import pandas
 
     lines = list(lines)
-    table = pandas.DataFrame(lines, columns=None if lines else ["row", "id", "rate", "frames"])
+    table = pandas.DataFrame(lines, columns=None if lines else ["row", "id", "frames", "seconds", "parameters"])
     order = {name: number for number, name in enumerate(dict.fromkeys(table["row"]))}
     return table.sort_values(["row", "id"], key=lambda column: column.map(order) if column.name == "row" else column,
                              ignore_index=True)  # fmt: skip
 
 
-def read_lip_tables(path, rows: Sequence[str]) -> list:
-    """The lines of each of some rows in a file of :func:`lip_table`, in the order of ``rows``.
+def cost_rows(row: str, utterances: Sequence[Utterance], model, speed) -> Iterator[dict]:
+    """What each test utterance's prediction by a model cost: ``row id seconds parameters``.
+
+    Parameters
+    ----------
+    row : its name
+    model, speed : paths of its file, and of the processor seconds of its predictions
 
     Raises
     ------
     StorageError
-        The file is missing, no such table, or lacks a row.
+        A file is missing or damaged, or an utterance was not timed.
+    """
+    parameters, seconds = parameter_count(read_model(model)[0]), read_speed(speed)
+    for one in utterances:
+        if one.id not in seconds:
+            raise DamagedFile(speed, f"utterance {one.id} is missing")
+        yield {"row": row, "id": one.id, "seconds": seconds[one.id], "parameters": parameters}
+
+
+def read_lip_tables(path, costs, rows: Sequence[str]) -> list:
+    """The lines of each of some rows in a file of :func:`lip_table`, with what they cost, in the order of ``rows``.
+
+    What is no model has cost nothing that could be compared: NaN.
+
+    Parameters
+    ----------
+    path, costs : files of the lines of :func:`lip_rows` and of those of :func:`cost_rows`
+
+    Raises
+    ------
+    StorageError
+        A file is missing, no such table, or lacks a row.
     """
     table = read_table(path, ("row", "id"), None, ("row", "id", "frames"))
+    table = table.merge(
+        read_table(costs, ("row", "id"), ("seconds", "parameters"), ("row", "id")), "left", ["row", "id"]
+    )
     parts = {str(name): part.drop(columns="row").reset_index(drop=True) for name, part in table.groupby("row")}
     for name in rows:
         if name not in parts:

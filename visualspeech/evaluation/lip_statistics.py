@@ -9,92 +9,22 @@ As in :mod:`visualspeech.evaluation.metrics`, statistics of utterances are sums 
 follow; :mod:`visualspeech.evaluation.lip_metrics` defines these.
 """
 
-from collections.abc import Iterable
-from dataclasses import dataclass
-
 import numpy as np
 
-from visualspeech.errors import DamagedFile, DataError
-from visualspeech.evaluation.articulation import PERCENTILE, cross_correlation
+from visualspeech.errors import DataError
+from visualspeech.evaluation.articulation import cross_correlation
 from visualspeech.evaluation.metrics import quotient
 from visualspeech.evaluation.scoring import centred, frame_point_distance
+from visualspeech.evaluation.tracked import BILABIAL, TrackedSpeaker
 from visualspeech.face.mouth import Mouth
 from visualspeech.features.resampling import at_times
 from visualspeech.speech.alignment import Alignment, silent_frames
 from visualspeech.speech.closures import least_openings
-from visualspeech.storage.tables import read_table, write_table
 from visualspeech.timing import frame_times
 
-BILABIAL = "bilabial"  # class of phones, :data:`visualspeech.speech.closures.CLOSURES`
 #: Rates of closure -> statistics of the recorded faces that they are computed from.
 RECORDED = {"closure": ("recorded_closed", "closures"), "silence": ("recorded_silent_closed", "silent_frames")}
 CONSTANT = 1e-9  # of the mean square: less variance than this is rounding
-_NUMBERS = ("eye_distance", "closed", "occurrences")
-
-
-@dataclass(frozen=True)
-class TrackedSpeaker:
-    """What the measures need to know about a speaker, from his recordings.
-
-    Parameters
-    ----------
-    speaker : name
-    eye_distance : distance of the outer corners of the eyes, in the unit of the points; NaN where they are not recorded
-    closed : largest opening that counts as closed, less the mean over the utterance, in the unit of the points; NaN
-        without occurrences of p, b, m
-    occurrences : number of training occurrences that it was taken from
-    """
-
-    speaker: str
-    eye_distance: float
-    closed: float
-    occurrences: int
-
-    @property
-    def unit(self) -> float:
-        """1 % of the distance of the eyes, in which lengths are measured; the points' own unit where it is unknown."""
-        return self.eye_distance / 100 if np.isfinite(self.eye_distance) else 1.0
-
-
-def tracked_speaker(
-    speaker: str, eye_distance: float, recorded: Iterable[tuple[np.ndarray, Alignment, float]]
-) -> TrackedSpeaker:
-    """A speaker whose threshold of closure is the 90th percentile of the recorded least openings in p, b and m.
-
-    Parameters
-    ----------
-    recorded : opening (T,), alignment and frame rate in Hz of each training utterance
-    """
-    found = [least_openings(centred(opening), *spoken, BILABIAL) for opening, *spoken in recorded]
-    values = np.concatenate(found) if found else np.zeros(0)
-    threshold = float(np.percentile(values, PERCENTILE)) if len(values) else float("nan")
-    return TrackedSpeaker(speaker, float(eye_distance), threshold, len(values))
-
-
-def write_speakers(path, speakers: Iterable[TrackedSpeaker]) -> None:
-    """Write tracked speakers as a table, a row for each."""
-    import pandas
-
-    columns = ["speaker", *_NUMBERS]
-    write_table(path, pandas.DataFrame([vars(one) for one in speakers], columns=columns))
-
-
-def read_speakers(path) -> dict[str, TrackedSpeaker]:
-    """What :func:`write_speakers` wrote, by name.
-
-    Raises
-    ------
-    StorageError
-        The file is missing, or not such a table.
-    """
-    table = read_table(path, ("speaker",), _NUMBERS, ("speaker",))
-    found = {
-        one.speaker: TrackedSpeaker(one.speaker, float(one.eye_distance), float(one.closed), int(one.occurrences))
-        for one in table.itertuples(index=False)
-    }
-    if len(found) != len(table):
-        raise DamagedFile(path, "a speaker has several rows")
-    return found
 
 
 def at_frames(points: np.ndarray, rate: float, frames: int, camera_rate: float) -> np.ndarray:
@@ -129,15 +59,15 @@ def lip_statistics(
     """
     pairs = tuple(zip((predicted, true), mouths, strict=True))
     lips = [centred(np.asarray(points)[:, list(mouth.lips)]) for points, mouth in pairs]
-    if lips[0].shape != lips[1].shape or not len(true):
-        raise DataError(f"the predicted lips are of shape {lips[0].shape}, the tracked ones {lips[1].shape}.")
-    for name, values in zip(("predicted", "tracked"), lips, strict=True):
+    if len(predicted) != len(true) or not len(true) or np.shape(predicted)[2] != np.shape(true)[2]:
+        raise DataError(f"the predicted points are of shape {np.shape(predicted)}, the recorded ones {np.shape(true)}.")
+    for name, values in zip(("predicted", "recorded"), lips, strict=True):
         if not np.isfinite(values).all():
             frame = int(np.argwhere(~np.isfinite(values))[0][0])
             raise DataError(f"the {name} lips of frame {frame} are not finite numbers.")
     frames, (predicted_lips, true_lips) = len(true), lips
     found = {"frames": frames, "utterances": 1}
-    if mouths[1].lips:
+    if all(mouth.lips for mouth in mouths):
         jerks = [float(np.sum(np.diff(values, n=3, axis=0) ** 2)) / speaker.unit**2 for values in lips]
         distance = float(frame_point_distance(predicted_lips, true_lips).mean())
         found["lip_distance_sum"] = frames * 100 * distance / speaker.eye_distance

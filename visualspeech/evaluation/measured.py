@@ -80,7 +80,8 @@ class MeasuredRows:
     def metrics(self, names: Sequence[str], protocol: str = "") -> list[Metric]:
         """Those of some measures whose statistics the rows hold, in their order; of one protocol if one is given.
 
-        A measure of the centred protocol that the rows lack is left in, because their tables are then damaged.
+        A measure of the centred protocol that the rows lack is left in, because their tables are then damaged; that of
+        a region of the face is not, as a face need not have all of them.
 
         Raises
         ------
@@ -89,7 +90,7 @@ class MeasuredRows:
         """
         table = next(iter(self.tables.values()))
         chosen = [one for one in map(metric_named, names) if not protocol or one.protocol == protocol]
-        return [one for one in chosen if one.protocol == CENTRED or is_measured(table, one)]
+        return [one for one in chosen if (one.protocol == CENTRED and not one.region) or is_measured(table, one)]
 
     @property
     def base(self) -> ModelRow:

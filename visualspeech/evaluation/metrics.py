@@ -1,10 +1,11 @@
-"""Objective measures of a predicted face sequence: Eq. 16-19 of Fan et al. (2015), two of Thangthai et al. (2016), and
-three others.
+"""Objective measures of a predicted face sequence: Eq. 16-19 of Fan et al. (2015), two of Thangthai et al. (2016),
+three others, and those of Sadoughi and Busso (2017) by region of the face.
 
 An utterance is represented by *sufficient statistics*: numbers whose sums over utterances determine the figure of a
 corpus. Eq. 16-19, the lip distance and the global-variance ratio are quotients of two sums; the concordance correlation
 is a function of the moments of prediction and truth (:func:`concordance`). A new measure is an entry of
-:data:`METRICS`; if it needs further statistics, :func:`visualspeech.evaluation.scoring.score` computes them.
+:data:`METRICS`; if it needs further statistics, :func:`visualspeech.evaluation.scoring.score` computes them, or for the
+regions of a face :func:`visualspeech.evaluation.regions.region_statistics`.
 
 Every measure belongs to a *protocol*:
 
@@ -24,6 +25,7 @@ from itertools import count, takewhile
 import numpy as np
 
 from visualspeech.errors import DataError, SettingError
+from visualspeech.face.markers import REGIONS
 
 CENTRED, ABSOLUTE = "centred", "absolute"
 PROTOCOLS = {
@@ -60,6 +62,34 @@ def concordance(sums: np.ndarray) -> np.ndarray:
         return np.where(defined, each, 0.0).sum(axis=-1) / defined.sum(axis=-1)
 
 
+def region_concordance(sums: np.ndarray) -> np.ndarray:
+    """As :func:`concordance`, from fewer sums: (..., 1 + 4 N) -> (...).
+
+    Parameters
+    ----------
+    sums : number of frames, then N sums each of x, y, x^2 + y^2 and x y
+    """
+    parts = sums[..., 1:].reshape(*sums.shape[:-1], 4, -1)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        x, y, squares, products = (parts[..., index, :] / sums[..., :1] for index in range(4))
+    # The variances and the squared difference of the means add up to this.
+    return _mean_agreement(products - x * y, squares - 2 * x * y, squares)
+
+
+def centred_concordance(sums: np.ndarray) -> np.ndarray:
+    """As :func:`concordance`, of x and y whose sums are 0: N sums each of x^2 + y^2 and x y, (..., 2 N) -> (...)."""
+    squares, products = np.moveaxis(sums.reshape(*sums.shape[:-1], 2, -1), -2, 0)
+    return _mean_agreement(products, squares, squares)
+
+
+def _mean_agreement(covariance: np.ndarray, spread: np.ndarray, size: np.ndarray) -> np.ndarray:
+    """Mean over dimensions of twice the covariance over the spread, where that is more than rounding of ``size``."""
+    defined = spread > 1e-12 * size
+    each = np.where(defined, 2 * covariance / np.where(defined, spread, 1.0), 0.0)
+    with np.errstate(invalid="ignore"):
+        return each.sum(axis=-1) / defined.sum(axis=-1)
+
+
 @dataclass(frozen=True)
 class Metric:
     """A measure: its computation from the statistics of utterances, and its description in tables.
@@ -75,6 +105,7 @@ class Metric:
     value : sums of these statistics over utterances (..., k) -> figure (...)
     unit : unit of the figure, empty for none
     protocol : of :data:`PROTOCOLS`
+    region : of the face that it is of, for codings with regions; empty for the whole vector
     """
 
     name: str
@@ -85,6 +116,7 @@ class Metric:
     value: Callable[[np.ndarray], np.ndarray] = quotient
     unit: str = ""
     protocol: str = CENTRED
+    region: str = ""
 
     def cost(self, figure):
         """A monotonic function of the figure of which lower values are better."""
@@ -194,7 +226,67 @@ def absolute(metric: Metric) -> Metric:
 
 #: In the absolute protocol. The global-variance ratio and the correlation over time are the same in both.
 _ABSOLUTE = tuple(absolute(metric) for metric in _CENTRED if metric.name not in ("gv_ratio", "corr_first5"))
-METRICS: dict[str, Metric] = {metric.name: metric for metric in (*_CENTRED, *_ABSOLUTE)}
+
+
+def of_region(region: str) -> tuple[Metric, ...]:
+    """The measures of a region of the face, whose parameters are D of the coding's, in both protocols.
+
+    The concordance correlation and the mean squared error of Sadoughi and Busso (2017), Table 1, are those over all
+    test frames in the absolute protocol.
+    """
+    face, agreement = f"{region} face", "concordance correlation coefficient of prediction and truth of each parameter"
+    error, parameters = "squared error of the parameters of the region", "averaged over the parameters of the region"
+    ccc = Metric(
+        f"ccc_{region}",
+        f"CCC, {face}",
+        f"{agreement} over all test frames, as one sequence, {parameters} (Sadoughi & Busso 2017, Eq. 1)",
+        "high",
+        (f"squares_{region}", f"products_{region}"),
+        value=centred_concordance,
+        region=region,
+    )
+    mse = Metric(
+        f"mse_{region}",
+        f"MSE, {face}",
+        f"{error}, averaged over them and over all test frames",
+        "low",
+        (f"mse_{region}_sum", "frames"),
+        region=region,
+    )
+    ccc_turn = Metric(
+        f"ccc_{region}_turn",
+        f"CCC per turn, {face}",
+        f"{agreement} within an utterance (turn), {parameters} and then over utterances (an utterance in which none is "
+        "defined counts as 0)",
+        "high",
+        (f"ccc_{region}_turn_sum", "utterances"),
+        region=region,
+    )
+    mse_turn = Metric(
+        f"mse_{region}_turn",
+        f"MSE per turn, {face}",
+        f"{error}, averaged over them and the frames of an utterance (turn) and then over utterances",
+        "low",
+        (f"mse_{region}_turn_sum", "utterances"),
+        region=region,
+    )
+    variance = Metric(
+        f"gv_ratio_{region}",
+        f"Global-variance ratio, {face}",
+        "variance of the parameters of the region over time within utterances, summed over them: predicted divided by "
+        "true (below 1: over-smoothed)",
+        "one",
+        (f"predicted_scatter_{region}", f"true_scatter_{region}"),
+        region=region,
+    )
+    moments = ("frames", *(f"{name}_{region}_absolute" for name in ("predicted", "true", "squares", "products")))
+    whole = replace(ccc, name=f"ccc_{region}_absolute", columns=moments, value=region_concordance, protocol=ABSOLUTE)
+    return (ccc, mse, ccc_turn, mse_turn, variance, whole, *map(absolute, (mse, ccc_turn, mse_turn)))
+
+
+#: Measures of codings with regions, by name.
+REGIONAL: dict[str, Metric] = {metric.name: metric for region in REGIONS for metric in of_region(region)}
+METRICS: dict[str, Metric] = {metric.name: metric for metric in (*_CENTRED, *_ABSOLUTE)} | REGIONAL
 
 
 def metric_named(name: str) -> Metric:

@@ -1,4 +1,4 @@
-"""Plots of learning curves, trajectories and appearance modes, as the bytes of PNG files.
+"""Plots of learning curves, trajectories, bars and appearance modes, as the bytes of PNG files.
 
 The same input gives the same bytes: the style does not depend on the user's matplotlib settings, and the files contain
 no date or version.
@@ -263,6 +263,53 @@ def _phone_labels(axes, phones: Sequence[tuple[str, float, float]], end: float) 
                 color="#444444",
                 annotation_clip=False,
             )
+
+
+def grouped_bars(panels: Mapping[str, Mapping[str, Mapping[str, tuple[float, float, float]]]], across: int) -> bytes:
+    """Bars with intervals in panels, a bar for each series in each group.
+
+    Parameters
+    ----------
+    panels : title of a panel -> name of a series -> name of a group -> (figure, lower end, upper end of its interval);
+        NaN where there is none
+    across : panels side by side; those of one row share their scale
+
+    Returns
+    -------
+    bytes
+        a PNG
+    """
+    across, series = max(1, across), list(dict.fromkeys(name for panel in panels.values() for name in panel))
+    groups = list(dict.fromkeys(name for panel in panels.values() for own in panel.values() for name in own))
+    down, width = max(1, -(-len(panels) // across)), 0.8 / max(1, len(series))
+    with _style():
+        figure = _figure(1.2 + across * max(2.6, 0.5 + 0.75 * len(groups)), 0.6 + 2.3 * down)
+        grid = figure.subplots(down, across, sharex=True, sharey="row", squeeze=False)
+        for axes in grid.flat[len(panels) :]:
+            axes.set_visible(False)
+        for (title, panel), axes in zip(panels.items(), grid.flat, strict=False):
+            for number, name in enumerate(series):
+                own = np.array([panel.get(name, {}).get(group, (np.nan,) * 3) for group in groups], float).reshape(
+                    -1, 3
+                )
+                places = np.arange(len(groups)) + (number - (len(series) - 1) / 2) * width
+                # A percentile interval need not hold the figure.
+                ends = np.maximum([own[:, 0] - own[:, 1], own[:, 2] - own[:, 0]], 0)
+                colour = COLOURS[number % len(COLOURS)]
+                axes.bar(places, own[:, 0], 0.9 * width, color=colour, label=name, zorder=2)
+                known = np.isfinite(ends).all(axis=0)
+                axes.errorbar(
+                    places[known], own[known, 0], ends[:, known], fmt="none", ecolor=TRUTH, elinewidth=0.9, zorder=3
+                )
+            axes.axhline(0, color="#888888", linewidth=0.8)
+            axes.set_title(title)
+            axes.set_xticks(range(len(groups)), groups, rotation=25 if len(groups) > 3 else 0)
+        if not groups:
+            figure.suptitle("Too few utterances", x=0.01, ha="left")
+        if series:
+            handles = grid[0, 0].get_legend_handles_labels()
+            figure.legend(*handles, loc="outside upper right", ncols=min(4, len(series)))
+        return _png(figure)
 
 
 def mode_pictures(

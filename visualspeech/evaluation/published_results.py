@@ -31,6 +31,22 @@ class PublishedSelection:
 
 
 @dataclass(frozen=True)
+class PublishedRegions:
+    """A printed table of models by region of the face.
+
+    Parameters
+    ----------
+    metrics : names of the measures, in the order of its columns
+    digits : decimals that the paper prints, by measure
+    rows : of each row its title, nodes per layer, number of parameters as printed, and figures by measure
+    """
+
+    metrics: tuple[str, ...]
+    digits: Mapping[str, int]
+    rows: tuple[tuple[str, int, str, Mapping[str, float]], ...]
+
+
+@dataclass(frozen=True)
 class Published:
     """What a paper prints; an empty field is a table that it does not have.
 
@@ -44,6 +60,8 @@ class Published:
     best : name of the best network among them
     preference : answer -> share of the listeners
     selections : name of a table of chosen rows -> what the paper prints in it
+    regions : its table of models by region of the face
+    emotions : emotion -> number of its test utterances
     """
 
     source: str
@@ -56,6 +74,8 @@ class Published:
     best: str = ""
     preference: Mapping[str, float] = field(default_factory=dict)
     selections: Mapping[str, PublishedSelection] = field(default_factory=dict)
+    regions: PublishedRegions | None = None
+    emotions: Mapping[str, int] = field(default_factory=dict)
 
 
 def published_names() -> list[str]:
@@ -70,7 +90,8 @@ def published(key: str) -> Published | None:
     The file names ``source``, ``corpus`` and ``metrics``. Its sections, none of which it must have: ``topologies``
     (``figures`` by stack and nodes; ``trained`` with ``stacks`` and ``nodes``), ``gains`` (``best``, ``figures`` by
     model), ``preference``, ``selections`` (by name ``metrics``, and ``figures`` by row: for each measure mean and
-    deviation; ``notes``).
+    deviation; ``notes``), ``regions`` (``metrics``, ``digits``, ``rows`` with title, nodes, parameters, figures),
+    ``emotions`` (number of utterances by emotion).
 
     Raises
     ------
@@ -118,7 +139,23 @@ def published_of(data: Mapping, key: str) -> Published:
         selections={
             name: _selection(given, f"{key}.yaml: {name}") for name, given in data.get("selections", {}).items()
         },
+        regions=_regions(data["regions"], f"{key}.yaml: regions") if "regions" in data else None,
+        emotions=data.get("emotions", {}),
     )
+
+
+def _regions(given: Mapping, where: str) -> PublishedRegions:
+    metrics = tuple(metric_named(name).name for name in given["metrics"])
+    for row in given["rows"]:
+        if len(row["figures"]) != len(metrics):
+            raise SettingError(
+                f"published/{where}: {row['title']} must have a figure for each of {len(metrics)} measures."
+            )
+    rows = (
+        (row["title"], int(row["nodes"]), str(row["parameters"]), dict(zip(metrics, row["figures"], strict=True)))
+        for row in given["rows"]
+    )
+    return PublishedRegions(metrics, dict(zip(metrics, given["digits"], strict=True)), tuple(rows))
 
 
 def _selection(given: Mapping, where: str) -> PublishedSelection:

@@ -131,7 +131,7 @@ def score(
         Lengths or dimensions differ, there are no frames, or a value is not finite.
     """
     for name in ("appearance", "shape", "texture", "lips"):
-        _check_pair(utterance_id, name, getattr(predicted, name), getattr(true, name), len(true.appearance))
+        check_pair(utterance_id, name, getattr(predicted, name), getattr(true, name), len(true.appearance))
     frames, (x, y) = len(true.appearance), (predicted.centred(), true.centred())
     correlation = frame_correlation(x.appearance, y.appearance)
     lips = np.asarray(true.lips, np.float64) + lip_offset
@@ -199,7 +199,14 @@ def _pair(predicted, true) -> tuple[np.ndarray, np.ndarray]:
     return predicted, true
 
 
-def _check_pair(utterance_id: str, name: str, predicted, true, frames: int) -> None:
+def check_pair(utterance_id: str, name: str, predicted, true, frames: int) -> None:
+    """Check that prediction and truth have one shape, ``frames`` frames, one at least, and finite values.
+
+    Raises
+    ------
+    DataError
+        They have not; the message names the utterance and, as ``name``, what is compared.
+    """
     predicted, true = np.asarray(predicted), np.asarray(true)
     if predicted.shape != true.shape:
         raise DataError(f"{utterance_id}: predicted {name} {predicted.shape}, but true {name} {true.shape}.")

@@ -15,6 +15,9 @@ from visualspeech.evaluation.measured import MeasuredRows
 from visualspeech.evaluation.metrics import Metric, metric_named, quotient, statistics_of, total
 from visualspeech.fields import MAX_SEED, Settings, setting
 
+#: Statistics of a measure up to which they are summed column by column.
+WIDE = 16
+
 
 @dataclass(frozen=True)
 class BootstrapSettings(Settings):
@@ -95,10 +98,25 @@ def sample_row(
 
 def _sums(statistics: np.ndarray, drawn: np.ndarray) -> np.ndarray:
     """Sums of statistics (utterances, k) over the utterances of each sample, (samples, k)."""
-    # Blocks limit the memory; plain sums, unlike matrix products, do not depend on the threads of a library.
+    # Blocks limit the memory.
     rows = max(1, 2_000_000 // drawn.shape[1])
-    blocks = (drawn[start : start + rows] for start in range(0, len(drawn), rows))
-    return np.concatenate([np.stack([column[block].sum(axis=1) for column in statistics.T], -1) for block in blocks])
+    return np.concatenate([selected(statistics, drawn[start : start + rows]) for start in range(0, len(drawn), rows)])
+
+
+def selected(statistics: np.ndarray, chosen: np.ndarray) -> np.ndarray:
+    """Sums of statistics (utterances, k) over chosen utterances, indices (..., n) -> (..., k).
+
+    Plain sums, which, unlike matrix products, do not depend on the threads of a library.
+    """
+    if statistics.shape[1] <= WIDE:
+        return np.stack([column[chosen].sum(axis=-1) for column in statistics.T], axis=-1)
+    from scipy.sparse import csr_array
+
+    # Hundreds of columns: each row of the statistics is read once, not once per column.
+    size, rows = chosen.size, chosen.size // chosen.shape[-1]
+    ends = np.arange(0, size + 1, chosen.shape[-1])
+    counts = csr_array((np.ones(size), chosen.reshape(-1), ends), shape=(rows, len(statistics)))
+    return (counts @ np.ascontiguousarray(statistics)).reshape(*chosen.shape[:-1], -1)
 
 
 def figure(sampled: Sampled, level: float) -> Figure:

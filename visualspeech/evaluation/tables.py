@@ -29,7 +29,11 @@ class TableSettings(Settings):
 
     section = "tables"
     metrics: tuple[str, ...] = setting(
-        tuple(name for name in METRICS if not name.startswith("ccc") and "first5" not in name),
+        tuple(
+            name
+            for name, metric in METRICS.items()
+            if not metric.region and not name.startswith("ccc") and "first5" not in name
+        ),
         "Measures shown, in the order of the columns; those of the absolute protocol in a table of their own, and only "
         "where they are defined.",
         item={"description": "A measure; its formula is in docs/papers.md.", "choices": METRICS},

@@ -1,20 +1,18 @@
 """The mouth of a tracked or decoded face: which of its points are lips, and how far and how wide the mouth is open.
 
-Faces of different visual codings have different points. A :class:`Mouth` says where the lips lie among them, always in
-one order, so that lips of one coding can be compared with those of another and with the tracked ones.
+Faces of different visual codings have different points. Lips are therefore found by the names of their points, and
+always in one order, so that those of one coding can be compared with those of another and with the recorded ones.
 """
 
-from dataclasses import dataclass
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, fields
 
 import numpy as np
 
-from visualspeech.face.point_sets import LANDMARKS, PointSet
+from visualspeech.face.markers import LANDMARK_NAMES
+from visualspeech.face.point_sets import LANDMARKS
 
-#: Landmarks of the 68-point iBUG scheme: all lips, the corners of the outer lips (right, left), and the inner lips
-#: without their corners.
-LIPS = tuple(range(48, 68))
-CORNERS, UPPER, LOWER = (48, 54), (61, 62, 63), (65, 66, 67)
-#: Outer corners of the eyes (right, left).
+#: Outer corners of the eyes among the 68 landmarks (right, left).
 EYES = (36, 45)
 
 
@@ -29,7 +27,7 @@ class Mouth:
     upper, lower : the lips on either side of the opening, corners left out; empty where the opening cannot be told
     """
 
-    lips: tuple[int, ...]
+    lips: tuple[int, ...] = ()
     corners: tuple[int, ...] = ()
     upper: tuple[int, ...] = ()
     lower: tuple[int, ...] = ()
@@ -50,17 +48,80 @@ class Mouth:
         return np.linalg.norm(left - right, axis=1)
 
 
-#: Of a face of all 68 landmarks.
-TRACKED = Mouth(LIPS, CORNERS, UPPER, LOWER)
+@dataclass(frozen=True)
+class MouthNames:
+    """Names of the lip points of a recorded face: the parts of a :class:`Mouth`.
+
+    Parameters
+    ----------
+    inner : whether upper and lower points lie on the inner lips, so that closed lips can be told
+    """
+
+    lips: tuple[str, ...] = ()
+    corners: tuple[str, ...] = ()
+    upper: tuple[str, ...] = ()
+    lower: tuple[str, ...] = ()
+    inner: bool = False
+
+    def among(self, names: Sequence[str]) -> Mouth:
+        """The mouth of a face whose points have these names; without a part of which a point is missing."""
+        at = {name: number for number, name in enumerate(names)}
+        parts = {one.name: getattr(self, one.name) for one in fields(Mouth)}
+        return Mouth(**{part: tuple(at[one] for one in own) for part, own in parts.items() if set(own) <= set(at)})
 
 
-def mouth_of(points: PointSet) -> Mouth | None:
-    """The mouth of a point set; None where it lacks a lip landmark."""
-    single = np.flatnonzero(np.count_nonzero(points.selection, axis=1) == 1)
-    at = {int(np.argmax(points.selection[number])): int(number) for number in single}
-    if not set(LIPS) <= set(at):
-        return None
-    return Mouth(*(tuple(at[landmark] for landmark in part) for part in (LIPS, CORNERS, UPPER, LOWER)))
+def _landmarks(*numbers: int) -> tuple[str, ...]:
+    return tuple(LANDMARK_NAMES[number] for number in numbers)
+
+
+#: Of the 68-point iBUG scheme: all lips, the corners of the outer lips, the inner lips without their corners.
+LANDMARK_MOUTH = MouthNames(
+    _landmarks(*range(48, 68)), _landmarks(48, 54), _landmarks(61, 62, 63), _landmarks(65, 66, 67), inner=True
+)
+#: Markers of IEMOCAP: around the outer lips, and those between whose means the directions right to left and down to up
+#: lie. What a number inside a group stands for is read off the mean face.
+_MOUTH_MARKERS = tuple(f"mou{number}" for number in range(1, 9))
+_ACROSS = (tuple(f"rc{number}" for number in range(1, 9)), tuple(f"lc{number}" for number in range(1, 9)))
+_UPWARDS = (("ch1", "ch2", "ch3"), ("fh1", "fh2", "fh3"))
+
+
+def find_mouth(names: Sequence[str], mean_face: Callable[[], np.ndarray]) -> MouthNames:
+    """The mouth of recorded faces whose points have these names; empty where none is known by its names.
+
+    Parameters
+    ----------
+    names : of P landmarks, markers or channels
+    mean_face : gives the mean (P, d) of the training utterances; called only for markers
+    """
+    if set(LANDMARK_MOUTH.lips) <= set(names):
+        return LANDMARK_MOUTH
+    at = {name.lower(): number for number, name in enumerate(names)}
+    needed = {*_MOUTH_MARKERS, *(name for ends in (*_ACROSS, *_UPWARDS) for name in ends)}
+    if not needed <= set(at):
+        return MouthNames()
+    face = np.asarray(mean_face(), np.float64)
+    across, upwards = (
+        np.subtract(*(face[[at[name] for name in end]].mean(axis=0) for end in reversed(ends)))
+        for ends in (_ACROSS, _UPWARDS)
+    )
+    along = {name: float(face[at[name]] @ across) for name in _MOUTH_MARKERS}
+    right, *between, left = sorted(_MOUTH_MARKERS, key=along.get)
+    *lower, third, fourth, fifth, sixth = sorted(between, key=lambda name: float(face[at[name]] @ upwards))
+    lower, upper = (*lower, third), (fourth, fifth, sixth)
+    parts = (_MOUTH_MARKERS, (right, left), upper, lower)
+    return MouthNames(*(tuple(names[at[name]] for name in part) for part in parts))
+
+
+def point_names(coding) -> tuple[str, ...]:
+    """Names of the points that a visual coding (:class:`~visualspeech.face.coding.VisualCoding`) decodes to, (P,).
+
+    Points of a point set that are no landmarks have no name.
+    """
+    if coding.points is None:
+        return coding.markers.names
+    return tuple(
+        LANDMARK_NAMES[int(np.argmax(row))] if np.count_nonzero(row) == 1 else "" for row in coding.points.selection
+    )
 
 
 def eye_distance(points: np.ndarray) -> float:

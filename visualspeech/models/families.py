@@ -8,6 +8,8 @@ trained, and its code is part of the digest of its own rows alone: a new family 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
+from visualspeech.models.joint_settings import cell_name
+
 
 @dataclass(frozen=True)
 class Family:
@@ -94,6 +96,16 @@ FAMILIES = {
         reads=(1, None),
         no_windows=lambda settings: "",
         by_frame=True,
+    ),
+    "joint": Family(
+        "visualspeech.models.joint",
+        "visualspeech.models.joint_settings:JointSettings",
+        trained=True,
+        grid=("layers", "nodes", "shared"),
+        cell=cell_name,
+        reads=(1, None),
+        no_windows=lambda settings: "",
+        regions=True,
     ),
     "lookup": Family(
         "visualspeech.models.lookup",

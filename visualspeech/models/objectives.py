@@ -94,7 +94,7 @@ class MeanSquaredError:
 
 
 class ConcordanceCorrelation:
-    """1 - concordance correlation coefficient (Lin 1989), averaged over dimensions (Sadoughi and Busso 2017, Eq. 6).
+    """1 - concordance correlation coefficient (Lin 1989), averaged over dimensions (Sadoughi and Busso 2017, Eq. 1).
 
     2 cov(x, y) / (var x + var y + (mean x - mean y)^2), means and (co)variances over the frames of a batch; over a
     corpus, over all its frames: it is no mean over batches.

@@ -29,6 +29,7 @@ class Task:
     checkpoint : file in which a long training keeps its state; None for none
     lips : of the training utterances, for networks whose training weights closures or open vowels; without it, these
         weights count as 0
+    regions : columns of the targets by region of the face, each in one; empty where the visual coding has none
     """
 
     row: ModelRow
@@ -39,6 +40,7 @@ class Task:
     parents: Sequence[Path] = ()
     checkpoint: Path | None = None
     lips: Lips | None = None
+    regions: Mapping[str, Sequence[int]] = field(default_factory=dict)
 
 
 class Model(Protocol):

@@ -9,6 +9,7 @@ from visualspeech.face.point_sets import point_set_names, read_point_set
 from visualspeech.fields import FieldError
 from visualspeech.models.families import FAMILIES
 from visualspeech.models.lips import WEIGHTS
+from visualspeech.planning.tables import coding_mistakes
 from visualspeech.schema import fill_defaults, unknown
 
 #: Kind of a visual coding -> the sections that it has beside those of all kinds.
@@ -67,6 +68,7 @@ def kind_mistakes(system: Mapping, coding: Mapping) -> list[str]:
         for row in system["rows"]
         if FAMILIES[row["family"]].regions and kind != "markers"
     ]
+    found += coding_mistakes(system["tables"], kind, f"{where}.tables")
     if kind != "markers":
         return list(dict.fromkeys(found))
     found += [

@@ -2,11 +2,16 @@
 
 from collections.abc import Mapping, Sequence
 
+from visualspeech.evaluation.metrics import METRICS
 from visualspeech.models.rows import ModelRow
 from visualspeech.schema import unknown
 
+#: Kind of visual coding with regions, and the measures of it that are none of a region.
+REGIONAL_KIND, OF_ANY = "markers", ("gv_ratio",)
+
 #: Names of tables that a selection cannot have.
-TABLES = ("objective", "topologies", "comparisons", "articulation", "resting", "gains", "ablation", "preference")
+TABLES = ("objective", "topologies", "comparisons", "articulation", "resting", "gains", "ablation", "preference",
+          "regions", "emotions")  # fmt: skip
 
 
 def table_mistakes(tables: Mapping, known: Sequence[str], where: str) -> list[str]:
@@ -21,6 +26,7 @@ def table_mistakes(tables: Mapping, known: Sequence[str], where: str) -> list[st
     selections = {name: one for name, one in tables["selections"].items() if one is not None}
     named = {
         "topologies": tables["topologies"],
+        **{f"{name}.rows": tables[name]["rows"] for name in ("regions", "emotions")},
         **{f"gains.{name}": names for name, names in tables["gains"].items()},
         **{f"ablation.rows.{name}": names or () for name, names in tables["ablation"]["rows"].items()},
         **{f"selections.{name}.rows": one["rows"] for name, one in selections.items()},
@@ -50,11 +56,48 @@ def table_mistakes(tables: Mapping, known: Sequence[str], where: str) -> list[st
     ]
 
 
+def coding_mistakes(tables: Mapping, kind: str, where: str) -> list[str]:
+    """What tables ask for that a visual coding does not have, a sentence for each mistake.
+
+    Parameters
+    ----------
+    tables : settings of the tables of a system, resolved
+    kind : of its visual coding
+    where : place of ``tables`` in the settings, for messages
+    """
+    regional = kind == REGIONAL_KIND
+    known = [one.name for one in METRICS.values() if bool(one.region) == regional or one.name in OF_ANY]
+    asked = {"metrics": tables["metrics"]}
+    for name, one in tables["selections"].items():
+        asked |= {f"selections.{name}.{key}": one[key] for key in ("metrics", "intervals") if one["rows"]}
+    found = [
+        f"`{where}.{key}`: {', '.join(wrong)} {'is no measure' if len(wrong) == 1 else 'are no measures'} of a visual "
+        f"coding of the kind {kind}. Its measures are: {', '.join(known)}."
+        for key, names in asked.items()
+        if (wrong := [name for name in names if name not in known])
+    ]
+    needless = {
+        "topologies": regional and tables["topologies"],
+        "gains": regional and tables["gains"]["candidates"],
+        "regions": not regional and tables["regions"]["rows"],
+        "emotions": not regional and tables["emotions"]["rows"],
+    }
+    return found + [
+        f"`{where}.{name}`: there is no such table for a visual coding of the kind {kind}; leave it empty."
+        for name, given in needless.items()
+        if given
+    ]
+
+
 def resolved_tables(tables: Mapping, rows: Sequence[ModelRow]) -> dict:
     """Settings of tables that name rows in place of entries of ``models``."""
     return {
         **tables,
         "topologies": rows_of_entries(tables["topologies"], rows),
+        **{
+            name: {**tables[name], "rows": rows_of_entries(tables[name]["rows"], rows)}
+            for name in ("regions", "emotions")
+        },
         "gains": {key: rows_of_entries(names, rows) for key, names in tables["gains"].items()},
         "ablation": {**tables["ablation"], "rows": _ablation(tables["ablation"], rows)},
         "selections": {name: _selection(one, rows) for name, one in tables["selections"].items() if one is not None},

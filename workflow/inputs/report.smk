@@ -56,7 +56,12 @@ def figures_of(wildcards):
     shown = ", ".join(titles[name] for name in wanted["models"])
     caption = f"Parameter {wanted['parameter']} of a test utterance, recorded and predicted ({shown})"
     paths = filled("<system>/figures/trajectories.png", wildcards) if wanted["models"] else []
-    return [[path, caption] for path in paths]
+    found = [[path, caption] for path in paths]
+    if by_emotion(wildcards):
+        compared = ", ".join(titles[name] for name in of_emotions(system_of(wildcards)))
+        caption = f"Both measures by region of the face and emotion ({compared}), with their intervals"
+        found += [[path, caption] for path in filled("<system>/figures/emotions.png", wildcards)]
+    return found
 
 
 def answers_of(wildcards):
@@ -103,7 +108,7 @@ def reported(wildcards):
             "name": one.system,
             "title": system_of(one)["title"] or one.system,
             "facts": list(facts_of(one).items()),
-            "tables": filled("<system>/tables/{table}.html", one, table=tables_of(one.system)),
+            "tables": filled("<system>/tables/{table}.html", one, table=tables_of(one)),
             "targets": shards("<system>/targets/{shard}.h5")(one),
             "rows": [row.plain() for row in curved_rows(one.system)],
             "curves": filled("<model>/learning_curve.tsv", one, model=[row.name for row in curved_rows(one.system)]),

@@ -84,6 +84,11 @@ def block_of(wildcards):
     return system_of(wildcards)["blocks"][wildcards.block]
 
 
+def needs_of_blocks(wildcards):
+    """What each input block of a system is computed from."""
+    return {name: needs_of(block_class(one["kind"])) for name, one in system_of(wildcards)["blocks"].items()}
+
+
 def parts_of_block(wildcards):
     """Names of the other input blocks that a job's block is computed from."""
     own = block_of(wildcards)
@@ -130,6 +135,12 @@ def heads_of(wildcards):
     return filled("<corpus>/heads/{speaker}.safetensors", wildcards, speaker=speakers_with_heads(wildcards))
 
 
+def recorded_faces(wildcards):
+    """The faces of every shard as they are recorded: tracked landmarks, or motion capture."""
+    stage = "landmarks" if gives(wildcards, "video") else "motion"
+    return shards(f"<corpus>/{stage}/{{shard}}.h5")(wildcards)
+
+
 def findings_of(wildcards):
     """Findings of the check and of every shard's alignment, and of its tracking and head pose, or its motion capture."""
     faces = ("landmarks", "pose") if gives(wildcards, "video") else ("motion",)
@@ -159,7 +170,13 @@ def recorded_points(wildcards):
     """Input function: the recorded points of the job's shard, or of all shards: landmarks in the frontal frame, or motion
     capture where there is no video."""
     pattern = f"<corpus>/{'pose' if gives(wildcards, 'video') else 'motion'}/{{shard}}.h5"
-    return filled(pattern, wildcards) if hasattr(wildcards, "shard") else shards(pattern)(wildcards)
+    return filled(pattern, wildcards)[0] if hasattr(wildcards, "shard") else shards(pattern)(wildcards)
+
+
+def recorded_names(wildcards):
+    """Params function: names of the recorded points of a corpus, in their order."""
+    corpus = PLAN.corpora[wildcards.corpus]
+    return list(LANDMARK_NAMES if "video" in corpus.gives else corpus.markers.names)
 
 
 def recorded_markers(wildcards):
@@ -169,7 +186,7 @@ def recorded_markers(wildcards):
     return {
         "source": points if pictured else corpus.name,
         "regions": (read_marker_set(points) if pictured else corpus.markers).by_region(),
-        "names": list(LANDMARK_NAMES if pictured else corpus.markers.names),
+        "names": recorded_names(wildcards),
     }
 
 

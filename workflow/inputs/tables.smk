@@ -64,15 +64,46 @@ def of_ablation(system):
     return [row["name"] for row in system["rows"] if row["cell"] in cells]
 
 
+def of_regions(system):
+    """Names of the rows of the table by region of the face, with the training mean and the floor."""
+    trivial = [row["name"] for row in system["rows"] if row["family"] == "mean" or row["role"] == "floor"]
+    return list(dict.fromkeys([*system["tables"]["regions"]["rows"], *trivial]))
+
+
+def of_emotions(system):
+    """Names of the rows of the table by emotion."""
+    return system["tables"]["emotions"]["rows"]
+
+
+def trained_of_regions(wildcards):
+    """Names of the rows of the table by region that have a model."""
+    trained = [row.name for row in rows_of(wildcards.system, PREDICTING)]
+    return [name for name in of_regions(system_of(wildcards)) if name in trained]
+
+
+def of_trained(file):
+    """Input function: a file of each of these rows, in the same order."""
+    return lambda wildcards: filled(f"<model>/{file}", wildcards, model=trained_of_regions(wildcards))
+
+
 def of_selection(wildcards):
     """Names of the rows of a table of chosen rows, with their repetitions."""
     return system_of(wildcards)["tables"]["selections"][wildcards.selection]["rows"]
 
 
+def ordered_rows(names):
+    """Params function: rows as plain data, in the order in which ``names(system settings)`` gives them."""
+
+    def rows(wildcards):
+        found = {row.name: row.plain() for row in rows_of(wildcards.system)}
+        return [found[name] for name in names(system_of(wildcards))]
+
+    return rows
+
+
 def selected_rows(wildcards):
     """Rows of a table of chosen rows as plain data, in the order of the table."""
-    rows = {row.name: row.plain() for row in rows_of(wildcards.system)}
-    return [rows[name] for name in of_selection(wildcards)]
+    return ordered_rows(lambda system: of_selection(wildcards))(wildcards)
 
 
 def statistics_of_selection(wildcards):
@@ -81,25 +112,34 @@ def statistics_of_selection(wildcards):
     return filled("<model>/statistics.tsv", wildcards, model=names)
 
 
-def tables_of(system):
-    """Names of a system's tables."""
-    wanted = SETTINGS["systems"][system]["tables"]
-    gains = wanted["gains"]
+def tables_of(one):
+    """Names of the tables of a system on a corpus; ``one`` has both as wildcards."""
+    wanted = system_of(one)["tables"]
+    gains, regional = wanted["gains"], coding_of(one)["kind"] == "markers"
     return [
+        *(["regions"] if wanted["regions"]["rows"] else []),
         "objective",
         *(["topologies"] if wanted["topologies"] else []),
         "comparisons",
-        "articulation",
-        "resting",
+        # Both read the lip points of an appearance model.
+        *([] if regional else ["articulation", "resting"]),
+        *(["emotions"] if by_emotion(one) else []),
         *(["gains"] if gains["candidates"] and gains["references"] else []),
         *(["ablation"] if wanted["ablation"]["rows"] else []),
         *(name for name, one in wanted["selections"].items() if one["rows"]),
     ]
 
 
+def by_emotion(one):
+    """Whether a system has a table by emotion on a corpus: it asks for one, and the corpus has emotions."""
+    return bool(of_emotions(system_of(one))) and "emotion" in PLAN.corpora[one.corpus].gives
+
+
 def tables_of_all():
     """All tables of a run."""
-    return for_systems("<system>/tables/{table}.tsv", table=tables_of) + for_corpora("<corpus>/tables/systems.tsv")
+    pairs = [OfSystem(*pair) for pair in PLAN.pairs]
+    own = [path for one in pairs for path in filled("<system>/tables/{table}.tsv", one, table=tables_of(one))]
+    return own + for_corpora("<corpus>/tables/systems.tsv")
 
 
 SELECTIONS = one_of(name for system in SETTINGS["systems"].values() for name in system["tables"]["selections"])
@@ -133,6 +173,7 @@ def tabulated(wildcards):
             "rows": plain_rows()(one),
             "statistics": statistics_of(file="camera.tsv")(one),
             "lips": filled("<system>/lips_camera.tsv", one)[0],
+            "costs": filled("<system>/costs.tsv", one)[0],
             "rate": system_of(one)["rate"],
             "utterances": of_coding("utterances.tsv")(one),
             "coding": of_coding("model.safetensors")(one),

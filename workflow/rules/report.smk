@@ -4,7 +4,7 @@ rule write_report:
         utterances="<corpus>/utterances.tsv",
         findings="<corpus>/findings.tsv",
         alignment=shards("<corpus>/alignment/{shard}.tsv"),
-        landmarks=shards_given("video", "<corpus>/landmarks/{shard}.h5"),
+        faces=recorded_faces,
         tables=["<corpus>/tables/systems.html"],
         files=reported_files,
         benchmarks=benchmarks_of,

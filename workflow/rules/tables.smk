@@ -229,15 +229,67 @@ rule tabulate_selection:
         "../scripts/tabulate_selection.py"
 
 
+rule tabulate_regions:
+    input:
+        utterances=of_coding("utterances.tsv"),
+        coding=of_coding("model.safetensors"),
+        statistics=of_rows("statistics.tsv", of_regions),
+        models=of_trained("model.safetensors"),
+        curves=of_trained("learning_curve.tsv"),
+    output:
+        multiext("<system>/tables/regions", *FORMS),
+    log:
+        "<system>/logs/tabulate_regions.log",
+    params:
+        rows=carried(ordered_rows(of_regions)),
+        rows_digest=marked(ordered_rows(of_regions)),
+        trained=trained_of_regions,
+        facts=facts_of,
+        digits=lambda wildcards: system_of(wildcards)["tables"]["digits"],
+        published=lambda wildcards: system_of(wildcards)["published"],
+        bootstrap=lambda wildcards: system_of(wildcards)["tables"]["bootstrap"],
+        seed=SEED,
+        needs=needs_of_blocks,
+        code=code("tabulate_regions.py"),
+    script:
+        "../scripts/tabulate_regions.py"
+
+
+rule tabulate_emotions:
+    input:
+        utterances=of_coding("utterances.tsv"),
+        coding=of_coding("model.safetensors"),
+        statistics=of_rows("statistics.tsv", of_emotions),
+    output:
+        tables=multiext("<system>/tables/emotions", *FORMS),
+        figure="<system>/figures/emotions.png",
+    log:
+        "<system>/logs/tabulate_emotions.log",
+    params:
+        rows=carried(ordered_rows(of_emotions)),
+        rows_digest=marked(ordered_rows(of_emotions)),
+        facts=facts_of,
+        settings=lambda wildcards: system_of(wildcards)["tables"]["emotions"],
+        digits=lambda wildcards: system_of(wildcards)["tables"]["digits"],
+        published=lambda wildcards: system_of(wildcards)["published"],
+        bootstrap=lambda wildcards: system_of(wildcards)["tables"]["bootstrap"],
+        seed=SEED,
+        needs=needs_of_blocks,
+        code=code("tabulate_emotions.py"),
+    script:
+        "../scripts/tabulate_emotions.py"
+
+
 # Across systems: what is measured of a speaker, and of the lips that the rows of a system predict.
 rule measure_tracked_lips:
     input:
         utterances="<corpus>/utterances.tsv",
         heads=heads_of,
-        faces=shards("<corpus>/pose/{shard}.h5"),
+        faces=recorded_points,
         alignment=shards("<corpus>/alignment/{shard}.tsv"),
     output:
-        "<corpus>/tracked_lips.tsv",
+        speakers="<corpus>/tracked_lips.tsv",
+        mouth="<corpus>/mouth.tsv",
     log:
         "<corpus>/logs/measure_tracked_lips.log",
     threads: 1
@@ -245,7 +297,8 @@ rule measure_tracked_lips:
         mem_mb=500,
         disk_mb=50,
     params:
-        speakers=lambda wildcards: list(PLAN.corpora[wildcards.corpus].speakers),
+        speakers=speakers_with_heads,
+        names=recorded_names,
         code=code("measure_tracked_lips.py"),
     script:
         "../scripts/measure_tracked_lips.py"
@@ -256,13 +309,15 @@ rule measure_across:
         utterances=of_coding("utterances.tsv"),
         coding=of_coding("model.safetensors"),
         speakers="<corpus>/tracked_lips.tsv",
-        faces=shards("<corpus>/pose/{shard}.h5"),
+        mouth="<corpus>/mouth.tsv",
+        faces=recorded_points,
         alignment=shards("<corpus>/alignment/{shard}.tsv"),
         predictions=predictions_of_rows(ROLES),
         models=statistics_of(PREDICTING, file="model.safetensors"),
         speed=statistics_of(PREDICTING, file="speed.tsv"),
     output:
-        "<system>/lips_camera.tsv",
+        lips="<system>/lips_camera.tsv",
+        costs="<system>/costs.tsv",
     log:
         "<system>/logs/measure_across.log",
     benchmark:
@@ -272,6 +327,7 @@ rule measure_across:
         mem_mb=1000,
         disk_mb=50,
     params:
+        names=recorded_names,
         rows=lambda wildcards: [row.name for row in rows_of(wildcards.system)],
         models=lambda wildcards: [row.name for row in rows_of(wildcards.system, PREDICTING)],
         code=code("measure_across.py"),
@@ -284,7 +340,7 @@ rule tabulate_systems:
         utterances=of_systems(lambda wildcards: [of_coding("utterances.tsv")(wildcards)]),
         codings=of_systems(lambda wildcards: [of_coding("model.safetensors")(wildcards)]),
         statistics=of_systems(statistics_of(file="camera.tsv")),
-        lips=of_systems(lambda wildcards: filled("<system>/lips_camera.tsv", wildcards)),
+        lips=of_systems(lambda wildcards: filled("<system>/{file}.tsv", wildcards, file=["lips_camera", "costs"])),
     output:
         multiext("<corpus>/tables/systems", *FORMS),
     log:

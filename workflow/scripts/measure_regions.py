@@ -4,9 +4,8 @@ Those of the test utterances are measured on the frames of the recordings too, o
 compare.
 """
 
-from visualspeech.evaluation.regions import region_scores
-
 from visualspeech.corpora.table import of_split, read_utterances
+from visualspeech.evaluation.regions import region_scores
 from visualspeech.evaluation.scoring import score_table
 from visualspeech.evaluation.sequences import OnFrames
 from visualspeech.face.marker_coding import MarkerCoding

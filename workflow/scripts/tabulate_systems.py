@@ -22,8 +22,9 @@ with job(snakemake.log[0]):
         measured = MeasuredRows.of(given["rows"], [read_numbers(path) for path in given["statistics"]]).on(split)
         facts = TableFacts.of(given["facts"], split, read_shapes(given["coding"]), measured)
         facts = facts.at(given["rate"])
-        lips = MeasuredRows.of(given["rows"], read_lip_tables(given["lips"], [row["name"] for row in given["rows"]]))
-        systems.append(SystemRows(given["title"], facts, measured, lips.on(split)))
+        names = [row["name"] for row in given["rows"]]
+        lips = MeasuredRows.of(given["rows"], read_lip_tables(given["lips"], given["costs"], names)).on(split)
+        systems.append(SystemRows(given["title"], facts, measured, lips))
     bootstrap = BootstrapSettings(**params.bootstrap, seed=params.seed)
     frame = systems_frame(systems, bootstrap)
     tables = systems_tables(frame, systems, bootstrap, params.digits, lost)

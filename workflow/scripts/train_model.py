@@ -12,6 +12,7 @@ from visualspeech.models.rows import ModelRow
 from visualspeech.models.task import Task
 from visualspeech.provenance import file_digest
 from visualspeech.storage.arrays import ArrayCollection
+from visualspeech.storage.regions import coding_regions
 from visualspeech.storage.tables import write_table
 
 source, row = snakemake.input, ModelRow.of(snakemake.params.row)
@@ -30,8 +31,10 @@ with (
     parents = [Path(path) for path in source.parents]
     blocks = load_blocks(dict(zip(row.reads, source.blocks, strict=True)))
     lips = recorded_lips(row, training.ids, targets, source.alignment)
-    task = Task(row, blocks, training, validation, file_digest(source.coding), parents, checkpoint, lips)
+    regions = coding_regions(source.coding)
+    task = Task(row, blocks, training, validation, file_digest(source.coding), parents, checkpoint, lips, regions)
     fitted = import_module(snakemake.params.module).fit(task)
     write_table(snakemake.output.curve, fitted.curve)
     fitted.model.save(snakemake.output.model)
-    checkpoint.unlink(missing_ok=True)
+    for kept in checkpoint.parent.glob(f"{checkpoint.stem}*{checkpoint.suffix}"):
+        kept.unlink()

@@ -19,7 +19,7 @@ with job(snakemake.log[0]):
         consent=params.consent,
         utterances=gathering.split_sizes(utterances),
         findings=tuple(read_findings(source.findings, *dict.fromkeys(given["findings"] for given in params.systems))),
-        timings=gathering.stage_timings(source.benchmarks, source.get("landmarks", [])),
+        timings=gathering.stage_timings(source.benchmarks, source.faces),
         settings=params.settings,
         versions=gathering.versions(),
         **gathering.origin(),

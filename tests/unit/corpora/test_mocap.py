@@ -162,7 +162,7 @@ def test_files_without_times_have_the_rate_of_the_corpus(tmp_path):
         ("", "lacks 1 of 1 columns: brow .there are none."),
         ("timecode,brow\n10:00:00,1\n", "line 2: the timecode '10:00:00' is not of the form"),
         ("timecode,brow\n10:00:00:30,1\n10:00:00:400,1\n", "line 3: the timecode counts 400 frames in a second"),
-        ('time,brow\n0,"1\n', "a.csv, line 2: unexpected end of data"),
+        ('time,brow\n0,"1\n', "a.csv, line 2: a quote is not closed"),
         ("\0\0\0", "a.csv lacks"),
     ],
 )

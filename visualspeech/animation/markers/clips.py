@@ -89,6 +89,8 @@ def write_clip(
 ) -> None:
     """Write an MP4 of the recorded face beside the predicted one, with sound, titles and a caption.
 
+    The frame rate is that of the recording, or a whole fraction of it.
+
     Parameters
     ----------
     names : (P,) of the markers or channels
@@ -103,7 +105,7 @@ def write_clip(
     StorageError
         The file cannot be written.
     """
-    rate = video_rate(max(true.rate, predicted.rate))
+    rate = video_rate(true.rate)  # a faster prediction of a slower recording would show nothing more
     frames = max(1, round(len(predicted.points) / predicted.rate * rate))
     shown, made = true.at(rate, frames), predicted.at(rate, frames)
     caption = ", ".join(filter(None, [utterance.id, utterance.speaker, utterance.emotion]))

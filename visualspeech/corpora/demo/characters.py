@@ -90,7 +90,7 @@ class Emotion:
 #: cheeks up.
 MOVEMENTS = {
     "brows": (Bump(38, 126, 34, 15, 0.0, -5.5),),
-    "inner_brows": (Bump(17, 129, 15, 13, 1.6, -6.0),),
+    "inner_brows": (Bump(17, 129, 15, 16, 1.6, -6.0),),
     "corners": (Bump(30, 231, 16, 14, 3.2, -5.0),),
     "cheeks": (Bump(50, 202, 22, 20, 1.0, -3.6),),
 }

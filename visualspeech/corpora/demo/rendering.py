@@ -6,7 +6,7 @@ import numpy as np
 
 from visualspeech.corpora.demo import camera, mouth
 from visualspeech.corpora.demo.characters import CHARACTERS, Character
-from visualspeech.corpora.demo.deformation import deformed, restored
+from visualspeech.corpora.demo.deformation import Inverse, deformed
 from visualspeech.corpora.demo.motion import Motion
 from visualspeech.corpora.demo.portrait import HEIGHT, MIDDLE, SCALE, WIDTH, above_seam, portrait, seam
 
@@ -39,6 +39,7 @@ class Renderer:
         import cv2
 
         self._cv2, self._proportions = cv2, character.proportions
+        self._at_rest = Inverse(character.proportions)
         images = portrait(character.look)
         # Sampled at half its resolution, the image would alias without a little smoothing.
         self._head = cv2.GaussianBlur(images.head, (0, 0), 0.55)
@@ -66,7 +67,7 @@ class Renderer:
         cv2 = self._cv2
         rotation, translation = motion.rotation[index], motion.translation[index]
         canonical = camera.unproject(self._nodes, rotation, translation)
-        canonical = restored(canonical, self._proportions, expression or {})
+        canonical = self._at_rest(canonical, expression or {})
         reached = (canonical[:, 1] > mouth.TOP) & (np.abs(canonical[:, 0] - MIDDLE) < mouth.REACH)
         upper, lower = canonical.copy(), canonical.copy()
         upper[reached], lower[reached] = mouth.MouthWarp(parameters)(canonical[reached])

@@ -65,8 +65,11 @@ def test_the_file_has_the_same_bytes_each_time(tmp_path):
 
 def test_streams_of_two_rates_are_shown_at_the_same_times(tmp_path):
     names, points, _ = moving(frames=150)
-    frames, *_ = written(tmp_path / "a.mp4", names, Motion(points[100::4], 12.5), Motion(points[100:], 50.0))
-    assert len(frames) == 50
+    slow, fast = Motion(points[100::4], 12.5), Motion(points[100:], 50.0)
+    frames, _, _, rate = written(tmp_path / "a.mp4", names, slow, fast)
+    assert (len(frames), rate) == (12, 12.5)
+    frames, _, _, rate = written(tmp_path / "b.mp4", names, fast, slow)
+    assert (len(frames), rate) == (52, 50.0)
 
 
 @pytest.mark.parametrize(
