@@ -537,7 +537,7 @@ def selected(changes):
         # Corpora.
         (
             "corpora: demmo",
-            r"`corpora: demmo` is not known. Did you mean `demo`\? Known: demo, demo_pair, grid, iemocap. Or give the path of",
+            r"`corpora: demmo` is not known. Did you mean `demo`\? Known: demo, demo_pair, grid, iemocap. Or give",
         ),
         ("corpora: [demmo]", r"`corpora.0: demmo` is not known. Did you mean `demo`\?"),
         ("corpora: []", r"`corpora: \[\]` must have at least 1 entry. The recordings: each a name"),
