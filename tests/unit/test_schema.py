@@ -537,7 +537,7 @@ def selected(changes):
         # Corpora.
         (
             "corpora: demmo",
-            r"`corpora: demmo` is not known. Did you mean `demo`\? Known: demo, demo_pair, grid, iemocap. Or",
+            r"`corpora: demmo` is not known. Did you mean `demo`\? Known: demo, demo_pair, grid, iemocap. Or give",
         ),
         ("corpora: [demmo]", r"`corpora.0: demmo` is not known. Did you mean `demo`\?"),
         ("corpora: []", r"`corpora: \[\]` must have at least 1 entry. The recordings: each a name"),
@@ -554,7 +554,7 @@ def selected(changes):
         ),
         (
             "corpora: {name: x, adapter: foldr}",
-            r"`corpora.x.adapter: foldr` must be one of demo, folder, grid, iemocap, mocap. Did",
+            r"`corpora.x.adapter: foldr` must be one of demo, folder, grid, iemocap, mocap. Did you m",
         ),
         ("corpora: [{name: x, adapter: folder, root: 5}]", r"`corpora.x.root: 5` must be a text \(put it in quotes\)"),
         (
