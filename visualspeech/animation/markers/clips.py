@@ -28,7 +28,8 @@ from visualspeech.corpora.records import Utterance
 from visualspeech.features.resampling import resample
 from visualspeech.media.encoding import write_video
 
-MAX_RATE = 60  # frames per second of a video and of exported controls
+MAX_RATE = 60  # frames per second of a video and of a FAP file
+LIVE_LINK_RATE = 60  # of the app, which programs that read its timecodes expect
 
 
 @dataclass(frozen=True)
@@ -72,7 +73,7 @@ def video_rate(rate: float, most: float = MAX_RATE) -> float:
 
 
 def whole_rate(rate: float) -> int:
-    """A whole frame rate for controls: that of a video, rounded."""
+    """The whole frame rate of a FAP file: that of a video, rounded."""
     return max(1, round(video_rate(rate)))
 
 
@@ -143,14 +144,13 @@ def write_controls(folder: str | Path, utterance: Utterance, predicted: Motion, 
     Controls that the actor's recordings do not move, or that follow from no marker, are left out: masked in the FAP
     file, 0 in the CSV file. A system of which none is left has no file.
     """
-    rate = whole_rate(predicted.rate)
-    frames = max(1, round(len(predicted.points) / predicted.rate * rate))
-    points = predicted.at(rate, frames)
     written = []
-    for ending, values, write in (
-        (".fap", actor.faps(points), write_fap),
-        (".csv", actor.blend_shapes(points), write_live_link),
+    for ending, rate, drive, write in (
+        (".fap", whole_rate(predicted.rate), actor.faps, write_fap),
+        (".csv", LIVE_LINK_RATE, actor.blend_shapes, write_live_link),
     ):
+        frames = max(1, round(len(predicted.points) / predicted.rate * rate))
+        values = drive(predicted.at(rate, frames))
         if values:
             written.append(Path(folder, f"{utterance.id}{ending}"))
             write(written[-1], values, rate)

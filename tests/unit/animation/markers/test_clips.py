@@ -126,5 +126,8 @@ def test_controls_lie_beside_the_clip(tmp_path):
     assert {3, 5, 6, 31} <= set(animation.frames[0])
     lines = (tmp_path / "turn_1.csv").read_text().splitlines()
     assert len(lines) == 151
+    write_controls(tmp_path, UTTERANCE, Motion(points[100:], 25.0), actor)
+    assert read_fap((tmp_path / "turn_1.fap").read_text()).rate == 25
+    assert len((tmp_path / "turn_1.csv").read_text().splitlines()) == 1 + 300 * 60 // 25
     still = fitted(names, np.repeat(points[:1], 50, axis=0), np.zeros(50))
     assert write_controls(tmp_path, UTTERANCE, Motion(points, 120.0), still) == []

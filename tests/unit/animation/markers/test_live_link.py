@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from visualspeech.animation.markers.live_link import BLEND_SHAPES, channels, timecode, write_live_link
+from visualspeech.corpora.motion_files import read_csv
 from visualspeech.errors import DataError
 from visualspeech.face.markers import read_marker_set
 
@@ -52,3 +53,13 @@ def test_timecodes_count_hours_minutes_and_seconds():
 def test_what_no_file_can_hold_is_refused(values, rate, said, tmp_path):
     with pytest.raises(DataError, match=said):
         write_live_link(tmp_path / "a.csv", {name: np.array(one) for name, one in values.items()}, rate)
+
+
+@pytest.mark.parametrize("rate", [25, 60])
+def test_the_reader_of_motion_capture_reads_it_back(tmp_path, rate):
+    names = list(read_marker_set("live_link").names)
+    values = np.random.default_rng(2).uniform(0, 1, (3 * rate + 7, len(names)))
+    write_live_link(tmp_path / "a.csv", dict(zip(names, values.T, strict=True)), rate)
+    found = read_csv(tmp_path / "a.csv", names, timecode_rate=rate)
+    assert np.allclose(found.points[..., 0], values, atol=1e-6)
+    assert np.allclose(np.diff(found.times), 1 / rate)
