@@ -52,7 +52,7 @@ def test_the_system_uses_the_recordings_of_the_first(run):
     assert "fan2015/models" not in "".join(line for line in said.splitlines() if "output:" in line)
     with ArrayReader(folder / "results/tiny/sadoughi2017/targets/0.h5") as targets:
         one = targets.ids[0]
-        assert targets.rate(one) == 120 and targets.array(one, "appearance").shape[1] == 136
+        assert targets.rate(one) == 25 and targets.array(one, "appearance").shape[1] == 136
 
 
 def test_it_stands_in_the_tables_of_the_corpus(run):
