@@ -39,6 +39,7 @@ from visualspeech.features.blocks.full_context import FullContext
 from visualspeech.features.blocks.linguistic import Linguistic
 from visualspeech.features.blocks.phone import Phone
 from visualspeech.features.blocks.phone_track import PhoneTrack, PhoneTrackSettings
+from visualspeech.features.blocks.speech27 import Speech27
 from visualspeech.features.blocks.triphone_state import TriphoneState
 from visualspeech.features.blocks.viseme_context import VisemeContext
 from visualspeech.features.examples import Example
@@ -58,7 +59,7 @@ PHONES = ("sil", "aa", "b", "iy", "m", "s")
 #: dynamic visemes, a network of convolutions with dynamic outputs, and one with regions.
 MODELS = (
     "stack", "convolutions", "dnn", "hmm", "hsmm", "lookup", "mean", "ensemble", "gv_compensation", "linguistic",
-    "visemes", "sound", "joint",
+    "visemes", "sound", "joint", "speech",
 )  # fmt: skip
 BY_FRAME = {"batcher": "shuffled_frames", "objective": "mse", "scaling": "dimension"}
 WHOLE = 0.02  # share of the cases that load a whole folder and render it
@@ -84,11 +85,15 @@ def make(folder: Path) -> Path:
     shutil.copyfile(made / FILES["sound"], made / "model_sound.safetensors")
     spread, random = np.sqrt(bundle.speaker.aam.appearance_variances), np.random.default_rng(0)
 
+    noise = np.random.default_rng(3).normal(0, 2000, (2, 16_000)).astype(np.int16)
+    sounds = [Source(25, 25.0, sound=Sound(samples), speaker="speaker") for samples in noise]
+
     def task(family, settings, *kinds, parents=(), options=None):
         blocks, examples = {block.kind: block for block in kinds}, []
         for _ in range(6):
             alignment = spoken(random.permutation(PHONES[1:]))
-            streams = tuple(next(iter(block.encode([Source(25, 25.0, alignment)]))) for block in kinds)
+            source = Source(25, 25.0, alignment, sounds[0].sound, speaker="speaker")
+            streams = tuple(next(iter(block.encode([source]))) for block in kinds)
             target = bundle.rest + 0.3 * spread * random.normal(size=(25, len(bundle.rest)))
             examples.append(Example(streams, target.astype(np.float32), 25.0))
         row = ModelRow("model", "Model", family, settings, tuple(blocks), options or {})
@@ -125,6 +130,8 @@ def make(folder: Path) -> Path:
     visemes = viseme_blocks([bundle.rest + spread * random.normal(size=(25, len(spread))) for _ in range(4)])
     seen = task("stack", {"letters": "F", "nodes": 4}, *visemes, options={"max_epochs": 2})
     stack.fit(seen).model.save(made / "model_visemes.safetensors")
+    heard = task("stack", {"letters": "F", "nodes": 4}, Speech27.fit({}, (), sounds), options={"max_epochs": 2})
+    stack.fit(heard).model.save(made / "model_speech.safetensors")
     members = [made / f"model_{name}.safetensors" for name in ("convolutions", "hmm", "lookup")]
     blocks = TriphoneState(PHONES), track
     ensemble.fit(task("ensemble", {}, *blocks, parents=members)).model.save(made / "model_ensemble.safetensors")

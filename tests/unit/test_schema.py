@@ -366,11 +366,11 @@ def selected(changes):
         ),
         (
             selected("coding: 3"),
-            "`systems.mine.coding: 3` is not known. Known: aam34, aam51. Or give the path of a YAML file.",
+            "`systems.mine.coding: 3` is not known. Known: aam34, aam51, markers. Or give the path of a YAML file.",
         ),
         (
             selected("coding: aam15"),
-            r"`systems.mine.coding: aam15` is not known. Did you mean `aam51`\? Known: aam34, aam51. Or",
+            r"`systems.mine.coding: aam15` is not known. Did you mean `aam51`\? Known: aam34, aam51, markers. Or",
         ),
         (
             selected("coding: {points: x}"),
@@ -537,7 +537,7 @@ def selected(changes):
         # Corpora.
         (
             "corpora: demmo",
-            r"`corpora: demmo` is not known. Did you mean `demo`\? Known: demo, grid. Or give the path of",
+            r"`corpora: demmo` is not known. Did you mean `demo`\? Known: demo, demo_pair, grid, iemocap. Or give",
         ),
         ("corpora: [demmo]", r"`corpora.0: demmo` is not known. Did you mean `demo`\?"),
         ("corpora: []", r"`corpora: \[\]` must have at least 1 entry. The recordings: each a name"),
@@ -554,7 +554,7 @@ def selected(changes):
         ),
         (
             "corpora: {name: x, adapter: foldr}",
-            r"`corpora.x.adapter: foldr` must be one of demo, folder, grid. Did you m",
+            r"`corpora.x.adapter: foldr` must be one of demo, folder, grid, iemocap, mocap. Did you m",
         ),
         ("corpora: [{name: x, adapter: folder, root: 5}]", r"`corpora.x.root: 5` must be a text \(put it in quotes\)"),
         (

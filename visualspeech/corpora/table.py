@@ -24,9 +24,7 @@ def write_utterances(path, rows: Iterable[Mapping]) -> None:
     import pandas
 
     rows = [dict(row) for row in rows]
-    left_out = ["split"]
-    if not any(row.get("problem") or row.get("warning") for row in rows):
-        left_out += OF_PROBLEM
+    left_out = ["split", *(name for name in OF_PROBLEM if not any(row.get(name) for row in rows))]
     columns = [field.name for field in fields(Utterance) if field.name not in left_out]
     write_table(path, pandas.DataFrame(rows, columns=columns))
 

@@ -25,7 +25,7 @@ class TableFacts:
     split_hash : from :func:`visualspeech.provenance.split_hash`
     rate : frame rates of the test utterances in Hz, usually only one
     coding : name of the visual coding
-    coding_sizes : its numbers of components, for example ``66 shape, 100 texture, 87 appearance``
+    coding_sizes : its numbers of components, for example ``66 shape, 100 texture, 87 appearance``, or of coordinates
     drift : method of drift removal, ``none`` where there is none
     seeds : of the models
     version : of this program
@@ -99,7 +99,10 @@ class TableFacts:
 
 
 def coding_sizes(shapes: Mapping[str, Sequence[int]]) -> str:
-    """Numbers of components of a coding's model: the rows of its arrays ``shape_components`` and so on."""
+    """Numbers of components of a coding's model: the rows of its arrays ``shape_components`` and so on; of one without
+    components the number of its coordinates."""
+    if "deviation" in shapes:
+        return f"{shapes['deviation'][-1]} coordinates"
     sizes = {name.removesuffix(_COMPONENTS): shape[0] for name, shape in shapes.items() if name.endswith(_COMPONENTS)}
     ordered = sorted(sizes, key=lambda name: (_ORDER.index(name) if name in _ORDER else len(_ORDER), name))
     return ", ".join(f"{sizes[name]} {name}" for name in ordered)

@@ -107,7 +107,7 @@ def trajectory_pictures(
                 [(phone.label, phone.start, phone.end) for phone in aligned[one.id].phones],
                 title=f"{one.id}: {one.transcript}",
             )
-            pictures.append(Picture(png, f"Appearance parameters of {one.id}, predicted and recorded"))
+            pictures.append(Picture(png, f"Parameters of the visual coding of {one.id}, predicted and recorded"))
     return tuple(pictures)
 
 

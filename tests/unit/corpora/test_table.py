@@ -37,5 +37,9 @@ def test_problems_have_columns_only_where_there_are_any(tmp_path):
     assert (tmp_path / "table.tsv").read_text().startswith(HEAD)
     write_utterances(tmp_path / "table.tsv", [asdict(good), asdict(bad)])
     assert (tmp_path / "table.tsv").read_text().startswith(HEAD[:-1] + "\tproblem\tremedy\n")
+    warned = Utterance("c", "s", "c.mp4", "x", warning="no emotion", remedy="restore")
+    write_utterances(tmp_path / "table.tsv", [asdict(good), asdict(warned)])
+    assert (tmp_path / "table.tsv").read_text().startswith(HEAD[:-1] + "\tremedy\twarning\n")
+    assert read_utterances(tmp_path / "table.tsv") == [good, warned]
     write_accepted(tmp_path / "accepted.tsv", [good], {"a": "train"})
     assert (tmp_path / "accepted.tsv").read_text().startswith(HEAD.replace("\temotion", "\tsplit\temotion"))

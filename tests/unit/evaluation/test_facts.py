@@ -56,3 +56,4 @@ def test_sizes_of_a_coding_are_read_from_the_header_of_its_file(tmp_path):
     write_model(path, tensors, {})
     assert read_shapes(path) == {"markers_components": (2, 8), "mean": (3,), "shape_components": (5, 8)}
     assert coding_sizes(read_shapes(path)) == "5 shape, 2 markers"
+    assert coding_sizes({"mean": (3, 138), "deviation": (3, 138)}) == "138 coordinates"

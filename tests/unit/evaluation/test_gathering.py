@@ -71,8 +71,8 @@ def test_everything_that_the_files_hold(tmp_path):
     assert made.facts == (("rate", "25 Hz"), ("frames", "10 training, 10 validation, 20 test"))
     assert made.tables == (to_html([TABLE]),) and made.modes == ()
     assert [picture.caption for picture in made.learning_curves] == ["Learning curves of FBB-64, FFF-64"]
-    assert [picture.caption[:28] for picture in made.trajectories] == [
-        f"Appearance parameters of {one}, "[:28] for one in "cd"
+    assert [picture.caption.partition(",")[0] for picture in made.trajectories] == [
+        f"Parameters of the visual coding of {one}" for one in "cd"
     ]
     assert [(picture.png, picture.caption) for picture in made.figures] == [(b"a picture", "Parameter 5")]
     (video,) = made.videos

@@ -277,7 +277,7 @@ def test_the_same_seed_gives_the_same_weights(shared):
     assert not any(np.array_equal(first[name], other[name]) for name in first if "bias" not in name)
 
 
-@pytest.mark.parametrize("killed", [1, 3, 4, 6, 9, 12])
+@pytest.mark.parametrize("killed", [1, 4, 9])
 @pytest.mark.parametrize("settings", [{"shared": 2}, {"shared": 0}, {"shared": 0, "learning_rates": [0.02, 0.01]}])
 def test_killed_and_resumed_is_as_if_never_killed(tmp_path, monkeypatch, settings, killed):
     options = {**FAST, "max_epochs": 3}
