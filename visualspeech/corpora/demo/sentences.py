@@ -91,6 +91,6 @@ SHORT_SENTENCES = (
     "Shut the window, Tom.",
     "A purple bird flew by.",
     "We built a wooden bridge.",
-    "Her voice was calm.",
+    "The baby wore a cap.",
     "Move the chair back.",
 )
