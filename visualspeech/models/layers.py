@@ -59,9 +59,9 @@ class GatedConvolution(nn.Module):
 class BidirectionalLstm(nn.LSTM):
     """A bidirectional LSTM layer (Fan 2015, Eq. 1 to 8), with the weights and the names of torch's.
 
-    Torch computes a packed batch of unequal lengths frame by frame, which takes three to four times as long as one of equal
-    lengths. Here such a batch is padded, and each direction reads it from its own first frame on, so that no frame of
-    an utterance sees the padding behind it.
+    Torch computes a packed batch of unequal lengths frame by frame, which takes about three times as long. Here such a
+    batch is padded, and each direction reads it from its own first frame on, so that no frame of an utterance sees the
+    padding behind it.
 
     Parameters
     ----------
