@@ -66,10 +66,11 @@ class BidirectionalLstm(nn.LSTM):
     Parameters
     ----------
     inputs, nodes : width of the input, and of the state of each direction
+    bias : whether the gates have biases
     """
 
-    def __init__(self, inputs: int, nodes: int) -> None:
-        super().__init__(inputs, nodes, batch_first=True, bidirectional=True)
+    def __init__(self, inputs: int, nodes: int, bias: bool = True) -> None:
+        super().__init__(inputs, nodes, bias=bias, batch_first=True, bidirectional=True)
 
     def forward(self, frames: torch.Tensor, counts: torch.Tensor) -> torch.Tensor:
         """Outputs (frames, 2 nodes) of (frames, inputs) in packed order, those of the forward direction first."""
@@ -83,9 +84,11 @@ class BidirectionalLstm(nn.LSTM):
     def _direction(self, padded: torch.Tensor, order: torch.Tensor, ending: str) -> torch.Tensor:
         """States (B T, nodes) of one direction that reads rows of ``padded`` in the order (B, T)."""
         given = padded.index_select(0, order.flatten()).view(*order.shape, padded.shape[1])
-        weights = [getattr(self, f"{name}_l0{ending}") for name in ("weight_ih", "weight_hh", "bias_ih", "bias_hh")]
+        names = ("weight_ih", "weight_hh", "bias_ih", "bias_hh") if self.bias else ("weight_ih", "weight_hh")
+        weights = [getattr(self, f"{name}_l0{ending}") for name in names]
         start = padded.new_zeros(1, len(order), self.hidden_size)
-        return torch.lstm(given, (start, start), weights, True, 1, 0.0, self.training, False, True)[0].flatten(0, 1)
+        states = torch.lstm(given, (start, start), weights, self.bias, 1, 0.0, self.training, False, True)[0]
+        return states.flatten(0, 1)
 
 
 def padded_places(counts: torch.Tensor) -> tuple[torch.Tensor, torch.Tensor, torch.Tensor, torch.Tensor]:

@@ -99,11 +99,12 @@ def test_the_residual_connection_is_not_dropped():
     np.testing.assert_allclose(found.detach().numpy(), (x + layer.residual.bias).detach().numpy(), atol=1e-6)
 
 
+@pytest.mark.parametrize("bias", [True, False])
 @pytest.mark.parametrize("lengths", [[7, 7, 7], [9, 6, 6, 1], [5], [3, 2, 1]])
-def test_a_bidirectional_layer_is_torchs_on_packed_utterances(lengths):
+def test_a_bidirectional_layer_is_torchs_on_packed_utterances(lengths, bias):
     torch.manual_seed(3)
-    layer = BidirectionalLstm(4, 3).double()
-    plain = torch.nn.LSTM(4, 3, batch_first=True, bidirectional=True).double()
+    layer = BidirectionalLstm(4, 3, bias).double()
+    plain = torch.nn.LSTM(4, 3, bias=bias, batch_first=True, bidirectional=True).double()
     plain.load_state_dict(layer.state_dict())
     batch = torch.randn(len(lengths), lengths[0], 4, dtype=torch.float64)
     packed = pack_padded_sequence(batch, torch.tensor(lengths), batch_first=True)
