@@ -15,7 +15,7 @@ from visualspeech.features.streams import Layout
 from visualspeech.models.batches import Batch
 from visualspeech.models.gathered import GatheredLinear
 from visualspeech.models.joint_settings import JointSettings, check_regions
-from visualspeech.models.layers import dropped
+from visualspeech.models.layers import BidirectionalLstm, dropped
 from visualspeech.models.trajectory.windows import WINDOWS
 
 
@@ -32,12 +32,11 @@ class Blstm(nn.Module):
 
     def __init__(self, width: int, nodes: int) -> None:
         super().__init__()
-        self.lstm = nn.LSTM(width + 1, nodes, bias=False, bidirectional=True)
+        self.lstm = BidirectionalLstm(width + 1, nodes, bias=False)
 
     def forward(self, frames: torch.Tensor, counts: torch.Tensor) -> torch.Tensor:
         """Outputs (frames, 2 nodes) of (frames, width) in packed order (:mod:`visualspeech.models.layers`)."""
-        with_one = torch.cat([frames, frames.new_ones(len(frames), 1)], dim=1)
-        return self.lstm(PackedSequence(with_one, counts))[0].data
+        return self.lstm(torch.cat([frames, frames.new_ones(len(frames), 1)], dim=1), counts)
 
     @staticmethod
     def shapes(width: int, nodes: int) -> dict[str, tuple[int, ...]]:

@@ -18,7 +18,7 @@ from visualspeech.fields import setting_error
 from visualspeech.models.batches import Batch
 from visualspeech.models.fitting import fit_network
 from visualspeech.models.gathered import GatheredLinear
-from visualspeech.models.layers import GatedConvolution, dilations, dropped
+from visualspeech.models.layers import BidirectionalLstm, GatedConvolution, dilations, dropped
 from visualspeech.models.network import Network, restore_network
 from visualspeech.models.stack_settings import StackSettings
 from visualspeech.models.task import Fitted, Task
@@ -63,7 +63,7 @@ class Stack(nn.Module):
                 self.layers.append(GatedConvolution(width, settings.nodes, dilation, dropout))
                 width = settings.nodes
             else:
-                self.layers.append(nn.LSTM(width, settings.direction_nodes, batch_first=True, bidirectional=True))
+                self.layers.append(BidirectionalLstm(width, settings.direction_nodes))
                 width = 2 * settings.direction_nodes
         self.output = nn.Linear(width, outputs)
 
@@ -80,7 +80,7 @@ class Stack(nn.Module):
             elif letter == "F":
                 frames = self._activated(layer(frames))
             else:
-                frames = layer(PackedSequence(frames, packed.batch_sizes))[0].data
+                frames = layer(frames, packed.batch_sizes)
                 frames = dropped(frames, self.dropout) if self.training else frames
         values = PackedSequence(self.output(frames), packed.batch_sizes)
         return pad_packed_sequence(values, batch_first=True, total_length=batch.index.shape[1])[0]

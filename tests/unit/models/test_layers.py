@@ -1,13 +1,13 @@
-"""Gated dilated convolutions: against torch's own convolution, what they reach, and frames that do not exist."""
+"""Convolutions and recurrent layers: against torch's own convolution, what they reach, and frames that do not exist."""
 
 import numpy as np
 import pytest
 import torch
-from torch.nn.utils.rnn import pack_padded_sequence, pad_packed_sequence
+from torch.nn.utils.rnn import PackedSequence, pack_padded_sequence, pad_packed_sequence
 
 from visualspeech.features.streams import Layout
 from visualspeech.models.batches import Batch
-from visualspeech.models.layers import DILATIONS, GatedConvolution, dilations, dropped, neighbours
+from visualspeech.models.layers import DILATIONS, BidirectionalLstm, GatedConvolution, dilations, dropped, neighbours
 from visualspeech.models.stack import Stack
 from visualspeech.models.stack_settings import StackSettings
 
@@ -97,3 +97,27 @@ def test_the_residual_connection_is_not_dropped():
     x = torch.randn(4, 3)
     found = layer(x, torch.tensor([1, 1, 1, 1]))
     np.testing.assert_allclose(found.detach().numpy(), (x + layer.residual.bias).detach().numpy(), atol=1e-6)
+
+
+@pytest.mark.parametrize("bias", [True, False])
+@pytest.mark.parametrize("lengths", [[7, 7, 7], [9, 6, 6, 1], [5], [3, 2, 1]])
+def test_a_bidirectional_layer_is_torchs_on_packed_utterances(lengths, bias):
+    torch.manual_seed(3)
+    layer = BidirectionalLstm(4, 3, bias).double()
+    plain = torch.nn.LSTM(4, 3, bias=bias, batch_first=True, bidirectional=True).double()
+    plain.load_state_dict(layer.state_dict())
+    batch = torch.randn(len(lengths), lengths[0], 4, dtype=torch.float64)
+    packed = pack_padded_sequence(batch, torch.tensor(lengths), batch_first=True)
+    weight = torch.randn(sum(lengths), 6, dtype=torch.float64)
+    results = []
+    for outputs in (
+        lambda frames: layer(frames, packed.batch_sizes),
+        lambda frames: plain(PackedSequence(frames, packed.batch_sizes))[0].data,
+    ):
+        frames = packed.data.clone().requires_grad_()
+        module = layer if not results else plain
+        values = outputs(frames)
+        (values.tanh() * weight).sum().backward()
+        results.append([values.detach(), frames.grad, *(one.grad for one in module.parameters())])
+    for own, torchs in zip(*results, strict=True):
+        torch.testing.assert_close(own, torchs, rtol=1e-12, atol=1e-13)
