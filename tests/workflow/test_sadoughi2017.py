@@ -72,7 +72,7 @@ def test_it_stands_in_the_tables_of_the_corpus(run):
 def test_its_videos_and_controls_stand_in_the_report(run):
     folder = run[0] / "results/tiny"
     videos = folder / "sadoughi2017/videos"
-    assert sorted({path.suffix for path in videos.iterdir()}) == [".csv", ".fap", ".mp4"]
+    assert sorted({path.suffix for path in videos.glob("[!.]*")}) == [".csv", ".fap", ".mp4"]
     assert next(videos.glob("*.fap")).read_text().startswith("2.1 ")
     report = (folder / "report.html").read_text()
     assert f"sadoughi2017/videos/{next(videos.glob('*.mp4')).name}" in report and "Sadoughi &amp; Busso 2017" in report
