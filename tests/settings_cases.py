@@ -18,6 +18,7 @@ from visualspeech.features.blocks.base import block_kinds
 from visualspeech.models.entries import entry_schema
 from visualspeech.models.families import FAMILIES
 from visualspeech.planning import run, systems
+from visualspeech.planning.codings import coding_schema
 from visualspeech.planning.systems import block_schema
 from visualspeech.schema import load_schema
 from visualspeech.settings import merged, read_yaml
@@ -91,7 +92,8 @@ def keys() -> tuple[tuple[str, tuple, Mapping], ...]:
     found = list(_keys(_schema(REPOSITORY / "workflow" / "schemas" / "run.schema.yaml"), (), ""))
     found += _keys(named["corpus"], ("corpora", 0), "corpora.tiny")
     found += _keys(named["system"], system, "systems.fan2015")
-    found += _keys(named["coding"], coding, "codings.aam51")
+    own = read_yaml(CONFIG / "codings" / "aam51.yaml")
+    found += _keys(coding_schema(named["coding"], own), coding, "codings.aam51")
     for family in FAMILIES:
         entry = {"stack": "nets", "hmm": "hmm_monophone", "lookup": "phone_state_mean"}.get(family)
         if entry:

@@ -21,7 +21,7 @@ NEEDED = {"aam": "video", "markers": "faces"}
 def coding_schema(schema: Mapping, coding: Mapping) -> dict:
     """What the schema of codings says of one of this kind; all of it where the kind is unknown."""
     kind = coding.get("kind")
-    if kind not in SECTIONS:
+    if not isinstance(kind, str) or kind not in SECTIONS:
         return dict(schema)
     others = {key for other, keys in SECTIONS.items() if other != kind for key in keys}
     return {**schema, "properties": {key: one for key, one in schema["properties"].items() if key not in others}}

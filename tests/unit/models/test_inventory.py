@@ -11,7 +11,7 @@ from visualspeech.features.blocks.label_parts import LabelParts
 from visualspeech.features.blocks.phone_track import PhoneTrack
 from visualspeech.features.blocks.triphone_state import TriphoneState
 from visualspeech.features.examples import Example
-from visualspeech.models import dnn, ensemble, gv_compensation, lookup, mean, stack
+from visualspeech.models import dnn, ensemble, gv_compensation, joint, lookup, mean, stack
 from visualspeech.models.families import FAMILIES
 from visualspeech.models.hmm import family as hmm
 from visualspeech.models.inventory import phones_of, predict_alignment
@@ -26,11 +26,14 @@ CASES = {
     "lookup": (lookup, {}, {"tri": TRI}, {}),
     "mean": (mean, {}, {}, {}),
     "dnn": (dnn, {"layers": 1, "nodes": 4}, {"tri": TRI}, {"max_epochs": 1}),
+    "joint": (joint, {"nodes": 4}, {"tri": TRI}, {"max_epochs": 1, "batcher": "frames"}),
     "ensemble": (ensemble, {"members": ["hmm", "lookup"]}, {"track": TRACK, "tri": TRI}, {}),
     "gv_compensation": (gv_compensation, {}, {"tri": TRI}, {}),
 }
 #: Families of the models that one of a family is made of.
 PARENTS = {"ensemble": ["hmm", "lookup"], "gv_compensation": ["lookup"]}
+#: Columns of the parameters by region of the face.
+REGIONS = {"joint": {"upper": (0,), "lower": (1, 2)}}
 
 
 def examples(blocks):
@@ -52,7 +55,8 @@ def fitted(family, folder):
     for name, path in zip(PARENTS.get(family, []), paths, strict=True):
         fitted(name, folder).save(path)
     given = examples(blocks)
-    return module.fit(task(family, settings, given, given, blocks, options, parents=paths)).model
+    regions = REGIONS.get(family, {})
+    return module.fit(task(family, settings, given, given, blocks, options, parents=paths, regions=regions)).model
 
 
 def test_all_families_are_here():
