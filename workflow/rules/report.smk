@@ -4,8 +4,9 @@ rule write_report:
         utterances="<corpus>/utterances.tsv",
         findings="<corpus>/findings.tsv",
         alignment=shards("<corpus>/alignment/{shard}.tsv"),
+        exports=expand("<corpus>/alignment/{form}", form=["textgrid", "htk", "hts"], allow_missing=True),
         faces=recorded_faces,
-        tables=["<corpus>/tables/systems.html"],
+        across=multiext("<corpus>/tables/systems", *FORMS),
         files=reported_files,
         benchmarks=benchmarks_of,
     output:
