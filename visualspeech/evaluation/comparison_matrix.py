@@ -43,7 +43,7 @@ def comparison_matrix(frame, rows: Mapping[str, ModelRow], level: float, digits:
     if not wins:
         notes = (f"No two rows differ significantly in any measure (Holm-corrected p at least {level:g}).", *notes)
     return Table(
-        "Paired comparisons",
+        "Figures, and how many rows each row differs from",
         tuple(map(_heading, metrics)),
         tuple(
             Row(rows[name].title, tuple(cell(name, metric) for metric in metrics), rows[name].role) for name in compared
@@ -53,5 +53,8 @@ def comparison_matrix(frame, rows: Mapping[str, ModelRow], level: float, digits:
 
 
 def _heading(name: str) -> str:
+    """Heading of a measure; its name where it is a user's own, which only the jobs that compute it know."""
+    if name not in METRICS:
+        return name
     metric = METRICS[name]
     return (replace(metric, title=f"{metric.title}, absolute") if metric.protocol == ABSOLUTE else metric).heading

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from visualspeech.evaluation.comparisons import ComparisonSettings, holm, paired_test
+from visualspeech.evaluation.comparisons import ComparisonSettings, holm, paired_test, smallest_p
 from visualspeech.evaluation.gains import ranked_cells
 from visualspeech.evaluation.layout import shown
 from visualspeech.evaluation.lip_metrics import ACROSS
@@ -153,7 +153,10 @@ def conclude(
     )
     if not versus:
         return Conclusion(choice, f"{text}.", own)
-    return Conclusion(choice, f"{text}: {' and '.join(_clause(one, titles) for one in versus)}.", own, versus)
+    text = f"{text}: {' and '.join(_clause(one, titles) for one in versus)}."
+    if smallest_p(pooled.utterances) * len(versus) >= settings.level:
+        text += f" With {pooled.utterances} utterances no difference can be significant."
+    return Conclusion(choice, text, own, versus)
 
 
 def _verdict(p: float, direction: int, best: Figure, other: Figure, settings: ComparisonSettings) -> str:

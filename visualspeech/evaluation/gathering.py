@@ -209,7 +209,8 @@ def learning_curves(rows: Sequence[ModelRow], curves: Sequence) -> tuple[Picture
     for row, curve in zip(rows, curves, strict=True):
         panel = str(row.settings.get("letters", row.group)) if len(rows) > MAX_CURVES else ""
         panels.setdefault(panel, {})[row.name] = curve
-    caption = f"Learning curves of {', '.join(row.name for row in rows)}"
+    names = ", ".join(row.name for row in rows)
+    caption = f"Learning curves of {names if len(rows) <= MAX_CURVES else f'{len(rows)} networks'}"
     return (Picture(plots.learning_curves(panels), caption),)
 
 

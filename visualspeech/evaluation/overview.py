@@ -5,6 +5,7 @@ Both show figures of the table across systems (:mod:`visualspeech.evaluation.acr
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 from itertools import zip_longest
 from typing import NamedTuple
 
@@ -167,7 +168,7 @@ def short_table(systems: Sequence[SystemOverview], figures: Mapping, digits: int
     }
     rows = []
     for system in systems:
-        own = sorted((name for one, name in chosen if one is system), key=lambda name: _place(system, name))
+        own = sorted((name for one, name in chosen if one is system), key=partial(_place, system))
         rows += [Row(system.title)] if own and len(systems) > 1 else []
         for name in own:
             key = (system.name, name)
@@ -180,7 +181,8 @@ def short_table(systems: Sequence[SystemOverview], figures: Mapping, digits: int
             rows.append(Row(title, tuple(marked), system.rows[name].role))
     headings = tuple(_heading(name) for name in SHORT_COLUMNS)
     notes = (
-        "The best value of the models shown is bold. Lip distance is in % of the distance of the outer eye corners.",
+        "The best value of the models shown is bold. Lip distance is in % of the distance between the outer eye "
+        "corners; speed is in frames of the camera per second of one processor core.",
     )
     return Table("The table in short", headings, tuple(rows), notes=notes)
 

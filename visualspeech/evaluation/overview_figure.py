@@ -58,7 +58,7 @@ def overview_figure(bands: Sequence[Band]) -> OverviewFigure:
     highs = [dot.high for band in bands for line in band.lines if len(line.dots) == 1 for dot in line.dots]
     most = float(np.nanmax([*values, *np.minimum(highs, 1.25 * values.max())]))
     step = tick_step(most)
-    end = step * np.ceil(most / step * (1 + 1e-9))
+    end = step * np.ceil(most / step * (1 - 1e-9))
     end = float(end if np.isfinite(end) and end > 0 else 1.0)
 
     def position(value: float) -> str:

@@ -10,7 +10,13 @@ rule write_report:
         files=reported_files,
         benchmarks=benchmarks_of,
     output:
-        "<corpus>/report.html",
+        report(
+            "<corpus>/report.html",
+            category="{corpus}",
+            subcategory="Report",
+            labels={"system": "all", "page": "report"},
+            caption="../report/page.rst",
+        ),
     log:
         "<corpus>/logs/write_report.log",
     params:
