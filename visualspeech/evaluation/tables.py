@@ -63,10 +63,10 @@ def result_tables(
     -------
     tuple
         a data frame with one line per row (column ``row``), where repetitions are pooled to one row and each stands
-        below as well under the name ``<cell>-s<seed>``, and the columns ``metric``, ``metric_low``, ``metric_high``, ``metric_ratio``,
-        ``metric_ratio_low``, ``metric_ratio_high`` of each measure, as text rounded to the digits shown; and
-        :class:`Table`: for each protocol the figures, ratios to the training mean, and, where rows have several
-        seeds, the figures of each
+        below as well under the name ``<cell>-s<seed>``, and the columns ``metric``, ``metric_low``, ``metric_high``,
+        ``metric_ratio``, ``metric_ratio_low``, ``metric_ratio_high`` of each measure, as text rounded to the digits
+        shown; and :class:`Table`: for each protocol the figures, ratios to the training mean, and, where rows have
+        several seeds, the figures of each
 
     Raises
     ------
