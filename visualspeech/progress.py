@@ -21,6 +21,8 @@ SHOWN = "visualspeech_shown"
 #: Beginnings of Snakemake's messages that stay.
 NOTHING = "Nothing to be done"
 KEPT = (NOTHING, "Will exit after finishing", "Terminating processes")
+#: Beginnings of those that are left out before jobs start, too.
+LEFT_OUT = ("Assuming unrestricted shared", "Using shell: ", "host: ")
 #: Characters of a job's message in the summary of a run that failed.
 MOST = 600
 #: Begins the lines of a job's log file that belong to the line above.
@@ -173,7 +175,7 @@ class Quiet(logging.Handler):
             return of_a_job or (bool(self.failed) and "At least one job did not complete" in text)
         if record.levelno >= logging.WARNING:
             return False
-        return self._running and not text.startswith(KEPT)
+        return text.startswith(LEFT_OUT) or (self._running and not text.startswith(KEPT))
 
     def close(self) -> None:
         self.inner.close()

@@ -47,19 +47,20 @@ def to_latex(tables: Sequence[Table], settings: LatexSettings | None = None) -> 
 
     Parameters
     ----------
-    tables : what is shown; the facts of the first one count for all
+    tables : what is shown; the facts of one count for those after it that have none
     settings : which rows and measures are shown of the tables that tell theirs (:class:`Table`), all by default
     """
     settings = settings or LatexSettings()
-    facts = dict(tables[0].facts) if tables else {}
-    kept = [one for table in tables if (one := chosen(table, settings))]
-    body, labels = [], set()
-    for table in kept:
-        label = _label(table, facts)
-        while label in labels:
-            label += "-more"
-        labels.add(label)
-        body += _table(table, facts, label)
+    body, labels, facts = [], set(), {}
+    for whole in tables:
+        # Published figures have facts of their own, which hold for the tables after them, too.
+        facts = dict(whole.facts) or facts
+        if table := chosen(whole, settings):
+            label = _label(table, facts)
+            while label in labels:
+                label += "-more"
+            labels.add(label)
+            body += _table(table, facts, label)
     return "\n".join([*_head(body), *body]) + "\n"
 
 
@@ -148,7 +149,7 @@ def _table(table: Table, facts: Mapping[str, str], label: str) -> list[str]:
     width = len(table.columns)
     lines = [f"% {_flat(line)}" for line in _details(table)]
     lines += [r"\begin{table}", r"\centering", rf"\caption{{{tex(_caption(table, facts))}}}", rf"\label{{{label}}}"]
-    lines += [_FITTED, rf"\begin{{tabular}}{{l{'r' * width}}}", r"\toprule"]
+    lines += [r"\smallskip", _FITTED, rf"\begin{{tabular}}{{l{'r' * width}}}", r"\toprule"]
     if table.groups:
         spans = [rf"\multicolumn{{{span}}}{{c}}{{{tex(name)}}}" for name, span in table.groups]
         lines.append(" & ".join([tex(table.corner), *spans]) + r" \\")
@@ -171,8 +172,9 @@ def _caption(table: Table, facts: Mapping[str, str]) -> str:
     """Title, data, and what brackets, bold figures and daggers mean."""
     place = " on ".join(filter(None, (facts.get("system"), facts.get("corpus"))))
     count = facts.get("test utterances")
-    about = ", ".join(filter(None, (place, f"{count} test utterances" if count else "")))
-    parts = [f"{table.title}{f': {about}' if about else ''}."]
+    tested = f"{count} test utterance{'s' * (count != '1')}" if count else ""
+    about = facts.get("source") or ", ".join(filter(None, (place, tested)))
+    parts = [f"{table.title} ({about})." if about else f"{table.title}."]
     cells = [cell for row in table.rows for cell in row.cells]
     if table.ranked and any(cell.best for cell in cells):
         parts.append("The best value in each column is bold.")
