@@ -7,7 +7,7 @@ from visualspeech.fields import Settings, setting, setting_error
 _LINE = r"[^\r\n]*"
 #: Rules of the name of a measure; planning knows which there are (:mod:`visualspeech.planning.own_metrics`).
 NAMED = {
-    "description": "A measure of docs/papers.md, or `module:function`, one of your own (docs/metrics.md).",
+    "description": "A measure of docs/papers.md, or `module:function`, one of your own (docs/tables.md).",
     "min_length": 1,
     "max_length": 1000,
     "pattern": _LINE,

@@ -21,7 +21,7 @@ MAX_BYTES = 1_000_000  # of a module
 BEST = ("low", "high", "one", "zero")
 #: Attribute of the function -> its default and the number of characters that it may have.
 ATTRIBUTES = {"title": ("", 100), "unit": ("", 20), "best": ("low", 4)}
-DOCS = "docs/metrics.md"
+DOCS = "docs/tables.md"
 
 
 def metric_mistakes(tables, where: str) -> list[str]:

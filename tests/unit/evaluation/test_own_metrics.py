@@ -1,8 +1,11 @@
 """Measures of the user's own: figures, intervals and tests as of built-in ones, and a sentence for each mistake."""
 
+import re
+
 import numpy as np
 import pytest
 
+from tests.paths import REPOSITORY
 from tests.unit.evaluation.examples import stack
 from visualspeech.errors import DataError
 from visualspeech.evaluation import own_metrics
@@ -128,6 +131,15 @@ def test_points_and_rate_are_given_where_they_are_asked_for(own):
     predicted = true["u0"]["appearance"] + utterances(1)["u0"]["appearance"] * 0.1
     expected = predicted[:, :4].sum() - true["u0"]["appearance"][:, :4].sum() + 25
     assert table["mine:extent_sum"][0] == pytest.approx(expected) and (table["utterances"] == 1).all()
+
+
+def test_the_example_of_the_documents_runs(own, tmp_path):
+    text = (REPOSITORY / "docs" / "tables.md").read_text(encoding="utf-8")
+    (tmp_path / "jaw.py").write_text(re.search(r"```python\n(# jaw.py\n.*?)```", text, re.DOTALL)[1])
+    given = {"jaw:jaw_error": described("jaw:jaw_error", "x")}
+    assert (given["jaw:jaw_error"]["title"], given["jaw:jaw_error"]["unit"]) == ("Jaw error", "px")
+    figures = measured_row(given, utterances(0), 1)["jaw:jaw_error_sum"]
+    assert (figures > 0).all() and (measured_row(given, utterances(0), 0)["jaw:jaw_error_sum"] == 0).all()
 
 
 @pytest.mark.parametrize(
