@@ -51,6 +51,7 @@ def failed(jobs: Sequence[Failed], done: int, total: int) -> list[str]:
     jobs : that failed
     done, total : numbers of jobs
     """
+    jobs = [job for job in jobs if not job.message().startswith("stopped")]  # they ended with the run
     count = f"{done} of {total} jobs are done. " if total else ""
     if not jobs:
         return [f"The run was stopped. {count}Run the same command again to resume."]

@@ -5,7 +5,7 @@ Those of the test utterances are measured on the frames of the camera too, on wh
 
 from visualspeech.corpora.table import of_split, read_utterances
 from visualspeech.evaluation.articulation import read_targets
-from visualspeech.evaluation.own_metrics import with_own
+from visualspeech.evaluation.own_functions import with_own
 from visualspeech.evaluation.scoring import score_table
 from visualspeech.evaluation.sequences import OnFrames, scores
 from visualspeech.face.aam.model import Aam

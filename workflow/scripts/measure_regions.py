@@ -5,7 +5,7 @@ compare.
 """
 
 from visualspeech.corpora.table import of_split, read_utterances
-from visualspeech.evaluation.own_metrics import with_own
+from visualspeech.evaluation.own_functions import with_own
 from visualspeech.evaluation.regions import region_scores
 from visualspeech.evaluation.scoring import score_table
 from visualspeech.evaluation.sequences import OnFrames

@@ -8,10 +8,11 @@ import pytest
 from tests.paths import REPOSITORY
 from tests.unit.evaluation.examples import stack
 from visualspeech.errors import DataError
-from visualspeech.evaluation import own_metrics
 from visualspeech.evaluation.comparisons import compare
 from visualspeech.evaluation.measured import MeasuredRows
 from visualspeech.evaluation.metrics import METRICS
+from visualspeech.evaluation.own_functions import with_own
+from visualspeech.evaluation.own_metrics import register
 from visualspeech.evaluation.scoring import FaceSequence, score, score_table
 from visualspeech.evaluation.statistics import BootstrapSettings
 from visualspeech.evaluation.tables import TableSettings, result_tables
@@ -79,7 +80,6 @@ def own(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr("sys.path", ["", *__import__("sys").path])
     (tmp_path / "mine.py").write_text(SOURCE)
-    monkeypatch.setattr(own_metrics, "METRICS", METRICS)
     before = dict(METRICS)
     yield lambda *names: {f"mine:{name}": described(f"mine:{name}", "x") for name in names}
     METRICS.clear()
@@ -104,12 +104,12 @@ def measured_row(own, true, seed):
     rows = (score(one, face(predicted.array(one, "appearance")), face(arrays["appearance"]), 25.0)
             for one, arrays in true.items())  # fmt: skip
     speakers = dict.fromkeys(true, "she")
-    return score_table(own_metrics.with_own(rows, own, predicted, targets, Coding(), speakers))
+    return score_table(with_own(rows, own, predicted, targets, Coding(), speakers))
 
 
 def test_figures_intervals_and_tests_are_those_of_the_built_in_measure(own):
     given, true = own("own_rmse"), utterances(0)
-    own_metrics.register(given)
+    register(given)
     mean = ModelRow("base", "Training mean", "mean", role="baseline")
     rows = (stack("a", "F", 8), stack("b", "B", 8), mean)
     found = MeasuredRows(rows, {row.name: measured_row(given, true, seed + 1) for seed, row in enumerate(rows)})
