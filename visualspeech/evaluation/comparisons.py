@@ -201,7 +201,7 @@ def comparison_tables(
             losses = int(((part["second"] == row) & (part["better"] != "")).sum())
             figure_shown = Cell(f"{values[row]:.{digits}f}", best=row == best)
             cells = (figure_shown, *_to_best(to_best.get(row), digits), Cell(str(wins)), Cell(str(losses)))
-            rows.append(Row(of_name[row].title, cells, of_name[row].role, row))
+            rows.append(Row(of_name[row].title, cells, of_name[row].role))
         tables.append(
             Table(
                 title=f"{METRICS[name].title}, {METRICS[name].protocol}: paired comparisons",

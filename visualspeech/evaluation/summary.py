@@ -58,7 +58,7 @@ def failed(jobs: Sequence[Failed], done: int, total: int) -> list[str]:
     lines = [f"The run failed in {jobs[0]}." if len(jobs) == 1 else f"The run failed in {len(jobs)} jobs."]
     for job in jobs[:5]:
         lines += [f"  {job}:"] if len(jobs) > 1 else []
-        lines += [f"  {line}" for line in (job.message() or "It left no message.").splitlines()]
+        lines += [f"  {line}" for line in (job.message() or "Its message is above.").splitlines()]
         lines += [f"  Log: {path}" for path in job.logs]
     lines += [f"  and {len(jobs) - 5} further jobs"] if len(jobs) > 5 else []
     return [*lines, f"{count}When this is corrected, run the same command again: what is done is kept."]

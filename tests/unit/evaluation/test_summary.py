@@ -77,7 +77,7 @@ def test_a_failure_names_job_message_log_and_remedy(tmp_path):
     ]
     several = failed([Failed(f"rule{number}", {}) for number in range(9)], 0, 0)
     assert several[0] == "The run failed in 9 jobs." and "  and 4 further jobs" in several
-    assert "It left no message." in several[2]
+    assert "Its message is above." in several[2]
     log.write_text("12:00:00 train_model a: stopped (SIGTERM); run the same command again to resume\n")
     said = ["The run was stopped. 3 of 40 jobs are done. Run the same command again to resume."]
     stopped = Failed("train_model", {}, (str(log),))
