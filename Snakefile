@@ -1,3 +1,4 @@
+import os
 from pathlib import Path
 
 from snakemake.utils import min_version
@@ -45,6 +46,7 @@ include: "workflow/inputs/tables.smk"
 include: "workflow/inputs/visemes.smk"
 include: "workflow/inputs/report.smk"
 include: "workflow/inputs/speaking.smk"
+include: "workflow/inputs/messages.smk"
 include: "workflow/rules/corpus.smk"
 include: "workflow/rules/demo.smk"
 include: "workflow/rules/alignment.smk"
@@ -70,6 +72,16 @@ onstart:
     # Snakemake limits the jobs of a second, and for that looks for new jobs a second after each start of one, and again a
     # second after that, without end: after some hundred jobs this fills a good part of a core.
     workflow.scheduler.job_rate_limiter = None
+    if PROGRESS:
+        PROGRESS.starts([os.path.relpath(one) for one in log])
+
+
+onsuccess:
+    show_end()
+
+
+onerror:
+    show_failure()
 
 
 localrules:

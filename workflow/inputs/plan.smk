@@ -9,12 +9,12 @@ from visualspeech.jobs import settle_locks, settle_sigterm
 from visualspeech.locks import hold
 from visualspeech.planning.run import plan_run
 from visualspeech.provenance import code_digest, digest
-from visualspeech.settings import check_overlays
+from visualspeech.settings import check_overlays, from_command_line
 
 try:
     if workflow.is_main_process:
         check_overlays(workflow.configfiles)
-    PLAN = plan_run(config, Path(workflow.basedir, "config"))
+    PLAN = plan_run(from_command_line(config, workflow.config_settings.config), Path(workflow.basedir, "config"))
 except VisualSpeechError as error:
     raise WorkflowError(str(error))
 

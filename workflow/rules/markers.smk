@@ -85,6 +85,7 @@ rule measure_regions:
         mem_mb=1000,
         disk_mb=50,
     params:
+        own=own_metrics_of,
         code=code("measure_regions.py"),
     script:
         "../scripts/measure_regions.py"

@@ -42,6 +42,7 @@ rule measure_model:
         disk_mb=50,
     params:
         drift=lambda wildcards: drift_of(coding_of(wildcards)),
+        own=own_metrics_of,
         code=code("measure_model.py"),
     script:
         "../scripts/measure_model.py"
@@ -63,6 +64,8 @@ rule tabulate_results:
         settings=table_settings,
         bootstrap=lambda wildcards: system_of(wildcards)["tables"]["bootstrap"],
         seed=SEED,
+        latex=lambda wildcards: system_of(wildcards)["tables"]["latex"],
+        own=own_metrics_of,
         code=code("tabulate_results.py"),
     script:
         "../scripts/tabulate_results.py"
@@ -128,6 +131,7 @@ rule tabulate_topologies:
         facts=facts_of,
         settings=table_settings,
         published=lambda wildcards: system_of(wildcards)["published"],
+        own=own_metrics_of,
         code=code("tabulate_topologies.py"),
     script:
         "../scripts/tabulate_topologies.py"
@@ -150,6 +154,8 @@ rule compare_models:
         comparison=lambda wildcards: system_of(wildcards)["tables"]["comparison"],
         bootstrap=lambda wildcards: system_of(wildcards)["tables"]["bootstrap"],
         seed=SEED,
+        latex=lambda wildcards: system_of(wildcards)["tables"]["latex"],
+        own=own_metrics_of,
         code=code("compare_models.py"),
     script:
         "../scripts/compare_models.py"
@@ -176,6 +182,7 @@ rule tabulate_gains:
         comparison=lambda wildcards: system_of(wildcards)["tables"]["comparison"],
         bootstrap=lambda wildcards: system_of(wildcards)["tables"]["bootstrap"],
         seed=SEED,
+        own=own_metrics_of,
         code=code("tabulate_gains.py"),
     script:
         "../scripts/tabulate_gains.py"
@@ -198,6 +205,7 @@ rule tabulate_ablation:
         settings=table_settings,
         bootstrap=lambda wildcards: system_of(wildcards)["tables"]["bootstrap"],
         seed=SEED,
+        own=own_metrics_of,
         code=code("tabulate_ablation.py"),
     script:
         "../scripts/tabulate_ablation.py"
@@ -224,6 +232,8 @@ rule tabulate_selection:
         published=lambda wildcards: system_of(wildcards)["published"],
         bootstrap=lambda wildcards: system_of(wildcards)["tables"]["bootstrap"],
         seed=SEED,
+        latex=lambda wildcards: system_of(wildcards)["tables"]["latex"],
+        own=own_metrics_of,
         code=code("tabulate_selection.py"),
     script:
         "../scripts/tabulate_selection.py"
