@@ -12,6 +12,7 @@ import os
 import stat
 import sys
 from collections.abc import Sequence
+from contextlib import nullcontext
 from pathlib import Path
 
 from visualspeech.errors import CorpusError, RejectedUtterance, SettingError, VisualSpeechError
@@ -40,7 +41,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except VisualSpeechError as error:
         message = str(error)
         if isinstance(error, RejectedUtterance):
-            message = f"{given.audio}: {error.reason}. {error.remedy}".strip()
+            recording = getattr(given, "audio", None) or "a recording"
+            message = f"{recording}: {error.reason}. {error.remedy}".strip()
         print(f"visualspeech: {message}", file=sys.stderr)
         return 2 if isinstance(error, SettingError) else 1
     except MemoryError:
@@ -150,6 +152,7 @@ def _speak(given: argparse.Namespace) -> None:
     from visualspeech.animation.walk import WalkSettings
     from visualspeech.models.inventory import needs_of_model
     from visualspeech.speech.spoken import speak_recording, speak_sound, speak_text
+    from visualspeech.storage.files import replacing
 
     bundle = SpeakerBundle.load(given.model)
     if given.background:
@@ -182,9 +185,10 @@ def _speak(given: argparse.Namespace) -> None:
     timings = None if given.timings is None else Timings()
     performance = perform(spoken, bundle.trained, bundle.rest, timings=timings)
     log.info("%.1f s of speech; rendering", performance.seconds)
-    count = speak(given.output, performance, bundle, voice, settings, size=size, frames_folder=given.frames)
-    if timings is not None:
-        timings.save(given.timings, performance.text, bundle.background.rate, count)
+    with nullcontext() if timings is None else replacing(given.timings) as file:
+        count = speak(given.output, performance, bundle, voice, settings, size=size, frames_folder=given.frames)
+        if timings is not None:
+            timings.save(file, performance.text, bundle.background.rate, count)
 
 
 def _text(given: argparse.Namespace) -> str | None:

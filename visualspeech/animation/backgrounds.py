@@ -7,6 +7,7 @@ A prepared background is a folder with ``background.h5`` (:mod:`visualspeech.ani
 import json
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
+from itertools import islice
 from pathlib import Path
 
 import numpy as np
@@ -17,10 +18,11 @@ from visualspeech.animation.descriptions import read_description
 from visualspeech.animation.showable import check_showable
 from visualspeech.corpora.records import legal_id
 from visualspeech.errors import CorpusError, DamagedFile, DataError, RejectedUtterance, StorageError
-from visualspeech.face.aam.reference import sample_faces
+from visualspeech.face.aam.reference import Reference, sample_textures
 from visualspeech.face.blinks import double_blinks
 from visualspeech.face.drift import FaceReference
 from visualspeech.face.head import HeadModel
+from visualspeech.face.point_sets import to_vector
 from visualspeech.face.pose import Pose, normalise
 from visualspeech.face.screening import track_recording
 from visualspeech.jobs import log
@@ -36,6 +38,7 @@ MIN_SECONDS = 1.0  # of a clip; a shorter one is a still
 #: Limits beyond which a clip shows another person (docs/speaking.md has what was measured): RMS distance of the points
 #: of its mean face to the speaker's, as a share of the head's width; correlation of the textures' grey levels.
 MAX_FACE_DISTANCE, MIN_CORRELATION = 0.03, 0.5
+_TEXTURES_AT_A_TIME = 250
 REMEDY = "Give another clip of the speaker."
 AGAIN = "Prepare it again with `visualspeech background`."
 
@@ -159,7 +162,13 @@ def with_frames(bundle: SpeakerBundle, background: Background, where: str) -> Sp
     if (background.shapes.shape[1], background.textures.shape[1]) != (len(aam.shape_mean), len(aam.texture_mean)):
         raise DataError(f"the background {where} is of another appearance model. {AGAIN}")
     speaker = replace(bundle.speaker, head=head_in(bundle.speaker.head, background.size))
-    check_showable(Path(where), speaker, background, bundle.rest)
+    try:
+        check_showable(Path(where), speaker, background, bundle.rest)
+    except DataError as error:
+        raise DataError(
+            f"the background {where} does not fit the speaker: the face or the head would lie far outside its frames. "
+            f"{REMEDY}"
+        ) from error
     return replace(bundle, speaker=speaker, background=background)
 
 
@@ -212,12 +221,10 @@ def _measured(name: str, path: Path, start: float, end: float, bundle: SpeakerBu
         raise RejectedUtterance(f"only {len(points) / rate:.2f} s of video", f"Give at least {MIN_SECONDS:g} s.")
     head = head_in(bundle.speaker.head, size)
     pose, frontal = normalise(points, head, head.settings, rate=rate)
-    frames = read_frames(path, start, end)
-    face = sample_faces(frames, points, frontal, bundle.speaker.reference, rate=rate).reference
+    face = _mean_face(read_frames(path, start, end), points, frontal, bundle.speaker.reference)
     apart, alike = likeness(face, bundle)
-    log.info(
-        "%s: %d frames; points %.1f %% apart, correlation of the textures %.2f", path, len(points), 100 * apart, alike
-    )
+    compared = f"points {apart:.1%} apart, correlation of the textures {alike:.2f}"
+    log.info("%s: %d frames; compared with the speaker: %s", path, len(points), compared)
     if apart > MAX_FACE_DISTANCE or alike < MIN_CORRELATION:
         raise RejectedUtterance(
             f"the face is not this speaker's: its points lie {apart:.1%} of the head's width from the speaker's (at "
@@ -229,6 +236,17 @@ def _measured(name: str, path: Path, start: float, end: float, bundle: SpeakerBu
     if not bundle.speaker.aam.drift.texture.any():  # this speaker's recordings keep their drift
         face = FaceReference(np.zeros_like(face.shape), np.zeros_like(face.texture))
     return Clip(name, path, start, end, points, pose, face, rate, size)
+
+
+def _mean_face(frames: Iterator[np.ndarray], points: np.ndarray, frontal: np.ndarray, grid: Reference) -> FaceReference:
+    """The mean face of a clip, as drift removal by ``clip_mean`` takes it; few textures are in memory at a time."""
+    total = 0.0
+    for start in range(0, len(points), _TEXTURES_AT_A_TIME):
+        rows = points[start : start + _TEXTURES_AT_A_TIME]
+        textures = sample_textures(islice(frames, len(rows)), grid.points.select(rows), grid)
+        total = total + textures.sum(axis=0, dtype=np.float64)
+    shape = to_vector(grid.points.select(frontal)).mean(axis=0, dtype=np.float64)
+    return FaceReference(shape.astype(np.float32), (total / len(points)).astype(np.float32))
 
 
 def _names(videos: Sequence[Path]) -> Iterator[str]:
