@@ -117,6 +117,10 @@ def _parser() -> argparse.ArgumentParser:
     background.add_argument(
         "--video", required=True, nargs="+", type=Path, metavar="FILE", help="clips of the speaker, of one camera"
     )
+    background.add_argument(
+        "--landmarks", type=Path, metavar="FOLDER",
+        help="landmarks of the clips as CSV files of OpenFace, if the speaker was made with such",
+    )  # fmt: skip
     background.add_argument("-o", "--output", required=True, type=Path, metavar="FOLDER", help="the folder to write")
     background.add_argument(
         "--start", type=float, default=0.0, metavar="SECONDS", help="begin of the part that is shown"
@@ -307,11 +311,16 @@ def _background(given: argparse.Namespace) -> None:
         _check_media(path, "video file")
     if not (0 <= given.start < 1e6 and (given.end == 0 or given.start < given.end < 1e6)):
         raise SettingError("--start and --end: give seconds from 0 on, the start before the end.")
+    if given.landmarks is not None and not given.landmarks.is_dir():
+        raise SettingError(f"--landmarks {shortened(given.landmarks)} is no folder; give the folder of the CSV files.")
     inputs = {f"--video {path}": path for path in given.video}
+    inputs |= {} if given.landmarks is None else {"--landmarks": given.landmarks}
     check_outputs({}, {"--output": given.output}, inputs, given.model)
     from visualspeech.animation.backgrounds import prepare_background
+    from visualspeech.face.tracker import LandmarkSettings
 
-    background = prepare_background(given.output, given.model, given.video, given.start, given.end)
+    read = None if given.landmarks is None else LandmarkSettings(source="csv", folder=str(given.landmarks))
+    background = prepare_background(given.output, given.model, given.video, given.start, given.end, read)
     width, height = background.size
     log.info(
         "%s holds %d frames of %d by %d pixels at %g Hz; use it with `visualspeech speak --background %s`",

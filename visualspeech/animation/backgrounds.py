@@ -25,6 +25,7 @@ from visualspeech.face.head import HeadModel
 from visualspeech.face.point_sets import to_vector
 from visualspeech.face.pose import Pose, normalise
 from visualspeech.face.screening import track_recording
+from visualspeech.face.tracker import LandmarkSettings
 from visualspeech.jobs import log
 from visualspeech.media.reading import probe, read_frames
 from visualspeech.provenance import file_digest
@@ -76,7 +77,12 @@ class Clip:
 
 
 def prepare_background(
-    folder: str | Path, model: str | Path, videos: Sequence[Path], start: float = 0.0, end: float = 0.0
+    folder: str | Path,
+    model: str | Path,
+    videos: Sequence[Path],
+    start: float = 0.0,
+    end: float = 0.0,
+    landmarks: LandmarkSettings | None = None,
 ) -> Background:
     """Track, normalise, screen and store clips of a speaker as a background.
 
@@ -86,6 +92,7 @@ def prepare_background(
     model : folder of the speaker
     videos : clips of one camera
     start, end : seconds of each clip that are used; an end of 0 means to its end
+    landmarks : where landmarks come from; they should be those that the speaker was made with
 
     Raises
     ------
@@ -97,7 +104,8 @@ def prepare_background(
         The speaker cannot be loaded, or the folder cannot be written.
     """
     bundle = SpeakerBundle.load(model)
-    clips = [_clip(name, path, start, end, bundle) for name, path in zip(_names(videos), videos, strict=True)]
+    part = start, end, bundle, landmarks
+    clips = [_clip(name, path, *part) for name, path in zip(_names(videos), videos, strict=True)]
     with replacing(folder) as made:
         made.mkdir()
         write_background(made / FILES["background"], (clip.recorded() for clip in clips))
@@ -195,14 +203,16 @@ def likeness(face: FaceReference, bundle: SpeakerBundle) -> tuple[float, float]:
     return float(np.sqrt((shift**2).sum(axis=0).mean())) / width, correlation
 
 
-def _clip(name: str, path: Path, start: float, end: float, bundle: SpeakerBundle) -> Clip:
+def _clip(name: str, path: Path, *part) -> Clip:
     try:
-        return _measured(name, path, start, end, bundle)
+        return _measured(name, path, *part)
     except RejectedUtterance as error:
         raise CorpusError(f"{path}: {error.reason}. {error.remedy or REMEDY}") from error
 
 
-def _measured(name: str, path: Path, start: float, end: float, bundle: SpeakerBundle) -> Clip:
+def _measured(
+    name: str, path: Path, start: float, end: float, bundle: SpeakerBundle, settings: LandmarkSettings | None
+) -> Clip:
     info = probe(path)
     seconds = (end or info.duration or np.inf) - start
     if np.isfinite(seconds) and seconds < MIN_SECONDS:
@@ -213,7 +223,7 @@ def _measured(name: str, path: Path, start: float, end: float, bundle: SpeakerBu
             "Choose a part of it with --start and --end.",
         )
     log.info("tracking %s", path)
-    landmarks, rate = track_recording(path, start, end)
+    landmarks, rate = track_recording(path, start, end, settings)
     for finding in landmarks.findings:
         log.warning("%s: %s", path, finding)
     points, size = landmarks.points, (landmarks.width, landmarks.height)

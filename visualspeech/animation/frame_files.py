@@ -12,25 +12,25 @@ MIN_SIDE, MAX_SIDE = 64, 4096  # pixels of a side of a video
 _HEADER = 33  # bytes of a PNG before its second chunk
 
 
-def fitted(frame: np.ndarray, size: tuple[int, int] | None) -> np.ndarray:
-    """A frame scaled to a size, with black bars where the shape differs.
-
-    Parameters
-    ----------
-    frame : (height, width, 3) uint8
-    size : (width, height) in pixels; None: as it is
-    """
+def scaled(frame: np.ndarray, size: tuple[int, int] | None) -> np.ndarray:
+    """A frame (height, width, 3) uint8 as large as fits into a size (width, height) in pixels; None: as it is."""
     if size is None or frame.shape[1::-1] == tuple(size):
         return frame
     import cv2
 
     scale = min(size[0] / frame.shape[1], size[1] / frame.shape[0])
     inner = tuple(min(most, max(1, round(side * scale))) for side, most in zip(frame.shape[1::-1], size, strict=True))
-    method = cv2.INTER_AREA if scale < 1 else cv2.INTER_CUBIC
-    scaled = cv2.resize(frame, inner, interpolation=method)
+    return cv2.resize(frame, inner, interpolation=cv2.INTER_AREA if scale < 1 else cv2.INTER_CUBIC)
+
+
+def barred(frame: np.ndarray, size: tuple[int, int] | None) -> np.ndarray:
+    """A scaled frame in the middle of a size, with black bars beside it; None: as it is."""
+    if size is None or frame.shape[1::-1] == tuple(size):
+        return frame
+    height, width = frame.shape[:2]
     result = np.zeros((size[1], size[0], 3), np.uint8)
-    left, top = (size[0] - inner[0]) // 2, (size[1] - inner[1]) // 2
-    result[top : top + inner[1], left : left + inner[0]] = scaled
+    left, top = (size[0] - width) // 2, (size[1] - height) // 2
+    result[top : top + height, left : left + width] = frame
     return result
 
 

@@ -14,7 +14,7 @@ import numpy as np
 
 from visualspeech.animation.background import Background, eyes_closed, frame_distances
 from visualspeech.animation.bundle import SpeakerBundle
-from visualspeech.animation.frame_files import SOUND, fitted, save_sound, saved
+from visualspeech.animation.frame_files import SOUND, barred, save_sound, saved, scaled
 from visualspeech.animation.label import labelled
 from visualspeech.animation.performance import Performance
 from visualspeech.animation.rendering import Placement, RenderSettings, place, stitched
@@ -101,13 +101,14 @@ def speaking_frames(
     ----------
     appearance : (T, N), an array or a :class:`Spool`; it is read a few seconds at a time
     rate : of the appearance in Hz; default: that of the background
-    size : (width, height) of the frames in pixels (:func:`fitted`); default: that of the background
+    size : (width, height) of the frames in pixels (:func:`visualspeech.animation.frame_files.scaled`), with black bars where the shape
+        differs; default: that of the background
     """
     settings = settings or SpeakSettings()
     parts = _parts(appearance, rate or bundle.background.rate, bundle, settings)
     for frame in stitched(parts, bundle.speaker.reference, settings.rendering, rate=bundle.background.rate):
-        frame = fitted(frame, size)
-        frame = labelled(frame, LABEL) if settings.label else frame
+        frame = scaled(frame, size)
+        frame = barred(labelled(frame, LABEL) if settings.label else frame, size)
         height, width = frame.shape[:2]
         # H.264 halves the colour planes, so an odd last row or column is repeated.
         yield np.pad(frame, ((0, height % 2), (0, width % 2), (0, 0)), mode="edge")
