@@ -38,7 +38,7 @@ TIED = ("aam", "reference", "head")  # parts of the speaker that a background is
 MIN_SECONDS = 1.0  # of a clip; a shorter one is a still
 #: Limits beyond which a clip shows another person (docs/speaking.md has what was measured): RMS distance of the points
 #: of its mean face to the speaker's, as a share of the head's width; correlation of the textures' grey levels.
-MAX_FACE_DISTANCE, MIN_CORRELATION = 0.03, 0.5
+MAX_FACE_DISTANCE, MIN_CORRELATION = 0.025, 0.5
 _TEXTURES_AT_A_TIME = 250
 REMEDY = "Give another clip of the speaker."
 AGAIN = "Prepare it again with `visualspeech background`."
@@ -238,7 +238,7 @@ def _measured(
     if apart > MAX_FACE_DISTANCE or alike < MIN_CORRELATION:
         raise RejectedUtterance(
             f"the face is not this speaker's: its points lie {apart:.1%} of the head's width from the speaker's (at "
-            f"most {MAX_FACE_DISTANCE:.0%}), its texture correlates at {alike:.2f} (at least {MIN_CORRELATION:g})",
+            f"most {MAX_FACE_DISTANCE:.1%}), its texture correlates at {alike:.2f} (at least {MIN_CORRELATION:g})",
             REMEDY,
         )
     if count := double_blinks(points, rate):

@@ -43,6 +43,9 @@ def check_outputs(
         same = next((other for other, one in inputs.items() if _is_same(path, one)), None)
         if same:
             raise SettingError(f"{option} {path} is the file of {same}, which would be replaced; give another name.")
+        within = next((other for other, one in inputs.items() if one.is_dir() and _is_part(path, one)), None)
+        if within:
+            raise SettingError(f"{option} {path} lies in the folder of {within}; give a path outside.")
         if _is_part(path, model):
             raise SettingError(f"{option} {path} is a part of the speaker {model}; give another name.")
     _check_apart(files, folders)

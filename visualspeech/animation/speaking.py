@@ -101,8 +101,8 @@ def speaking_frames(
     ----------
     appearance : (T, N), an array or a :class:`Spool`; it is read a few seconds at a time
     rate : of the appearance in Hz; default: that of the background
-    size : (width, height) of the frames in pixels (:func:`visualspeech.animation.frame_files.scaled`), with black bars where the shape
-        differs; default: that of the background
+    size : (width, height) of the frames in pixels; default: that of the background. Where their shapes differ, the
+        rest is black
     """
     settings = settings or SpeakSettings()
     parts = _parts(appearance, rate or bundle.background.rate, bundle, settings)

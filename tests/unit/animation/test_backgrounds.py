@@ -215,6 +215,15 @@ def test_a_recording_of_the_speaker_is_named(clips, tmp_path, capsys):
     assert status == 1 and "nowhere is no background" in error
 
 
+def test_nothing_is_written_into_a_background(clips, same, capsys):
+    before = sorted(same.iterdir())
+    given = ["speak", "--model", clips / "made", "--text", "Hello.", "--background", same]
+    for output in (["-o", same / "a.mp4"], ["--frames", same / "png"], ["--frames", same]):
+        status, error = told(capsys, *given, *output)
+        assert status == 2 and ("lies in the folder of --background" in error or "holds files" in error), error
+    assert sorted(same.iterdir()) == before
+
+
 def test_a_double_blink_is_told(clips, tmp_path, capsys):
     points = heads.record(50, seed=4, mouth=2).points
     for frame in (10, 14):
