@@ -127,7 +127,7 @@ class Background:
             It has no recording of this name.
         """
         if name not in self.names:
-            listed = ", ".join(self.names[:20])
+            listed = ", ".join(shortened(one, 40) for one in self.names[:20])
             raise SettingError(f"the background has no recording {shortened(name)}; there are {listed}.")
         number = self.names.index(name)
         frames = np.flatnonzero(self.clip == number)

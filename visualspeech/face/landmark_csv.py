@@ -20,7 +20,7 @@ from visualspeech.face.tracker import POINTS, LandmarkSettings, TrackedVideo
 
 POINT_COLUMNS = tuple(f"{axis}_{number}" for axis in "xy" for number in range(POINTS))
 OPTIONAL = ("frame", "timestamp", "face_id", "confidence", "success")
-MAX_LINE = 100_000  # characters; OpenFace's longest lines have about 10,000
+MAX_LINE = 30_000  # characters; those of OpenFace have about 8,000
 MAX_ROWS = 200_000  # two hours at 25 frames/s, of which 230 MB are kept
 #: A face with a larger share of its points outside the frame than this is none of this video.
 MAX_OUTSIDE = 1 / 3

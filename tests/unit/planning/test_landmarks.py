@@ -4,6 +4,7 @@ import sys
 
 import pytest
 
+from tests.unit.planning.configs import resolved
 from visualspeech.corpora.records import Utterance
 from visualspeech.errors import SettingError
 from visualspeech.planning.landmarks import check_landmark_files, landmark_files_digest, tracker_code
@@ -117,3 +118,23 @@ def test_a_changed_file_changes_the_digest_of_its_shard(tmp_path):
     (tmp_path / "c.csv").touch()
     assert landmark_files_digest(csv(tmp_path), shard) == digests[-1]
     assert landmark_files_digest(tracker("dlib"), shard) == ""
+
+
+def test_files_do_not_lie_among_the_results(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    given = {"source": "csv", "folder": "results/demo/openface"}
+    with pytest.raises(SettingError, match="`landmarks.folder: results/demo/openface` lies among the results"):
+        resolved({"landmarks": given})
+    assert resolved({"landmarks": given | {"folder": "openface"}})["landmarks"]["folder"] == "openface"
+
+
+def test_mistakes_of_the_section_are_told_before_any_job():
+    for section, said in [
+        ({"tracker": "mine"}, "`landmarks.tracker: mine` must be `dlib`, or a class of your own, module:Class"),
+        ({"tracker": "a b:C"}, "landmarks.tracker"),
+        ({"source": "csv"}, "`landmarks.folder: ` must be the folder of the CSV files"),
+        ({"folder": "x"}, "must be left out, unless `source` is csv"),
+        ({"source": "openface"}, "`landmarks.source: openface` must be one of tracker, csv"),
+    ]:
+        with pytest.raises(SettingError, match=said):
+            resolved({"landmarks": section})
