@@ -42,6 +42,7 @@ wildcard_constraints:
 
 
 include: "workflow/inputs/systems.smk"
+include: "workflow/inputs/landmarks.smk"
 include: "workflow/inputs/tables.smk"
 include: "workflow/inputs/visemes.smk"
 include: "workflow/inputs/report.smk"

@@ -201,3 +201,20 @@ def test_features_depend_on_their_block_alone(package):
     before = of_blocks()
     edited(package, "models", "stack.py")
     assert changed(before, of_blocks()) == set()
+
+
+@pytest.mark.parametrize("module", ["dlib_tracker", "landmark_csv"])
+def test_what_gives_landmarks_re_tracks_and_nothing_else(package, module):
+    """Trackers are named and not imported: the pose follows from the landmarks, whoever gives them."""
+    scripts = REPOSITORY / "workflow" / "scripts"
+
+    def found():
+        forget()
+        tracking = provenance.code_digest(scripts / "track_landmarks.py", f"visualspeech.face.{module}")
+        names = ("normalise_pose", "fit_head", "bundle_speaker", "speak_sentence")
+        return tracking, [provenance.code_digest(scripts / f"{name}.py") for name in names]
+
+    before = found()
+    edited(package, "face", f"{module}.py")
+    after = found()
+    assert before[0] != after[0] and before[1] == after[1]

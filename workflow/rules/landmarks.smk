@@ -19,6 +19,8 @@ rule track_landmarks:
         landmarks=SETTINGS["landmarks"],
         screening=SETTINGS["screening"],
         recordings=recordings_digest,
-        code=code("track_landmarks.py"),
+        files=landmark_files,
+        folder=carried(tracker_folder),
+        code=tracker_digest,
     script:
         "../scripts/track_landmarks.py"
