@@ -38,6 +38,7 @@ wildcard_constraints:
 
 
 include: "workflow/inputs/systems.smk"
+include: "workflow/inputs/resources.smk"
 include: "workflow/inputs/tables.smk"
 include: "workflow/inputs/visemes.smk"
 include: "workflow/inputs/report.smk"
@@ -86,6 +87,11 @@ localrules:
     speak,
     viseme_numbers,
     report,
+    # Tables of utterances, read and written in a second.
+    write_split,
+    gather_findings,
+    list_phones,
+    accept_faces,
 
 
 rule all:

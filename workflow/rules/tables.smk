@@ -11,8 +11,9 @@ rule measure_lips:
         "<system>/logs/measure_lips.log",
     threads: 1
     resources:
-        mem_mb=500,
-        disk_mb=50,
+        mem_mb=memory(150),
+        runtime=minutes(1),
+        disk_mb=disk(50),
     params:
         code=code("measure_lips.py"),
     script:
@@ -38,8 +39,9 @@ rule measure_model:
         "<system>/benchmarks/measure_model/{model}.tsv"
     threads: 1
     resources:
-        mem_mb=1000,
-        disk_mb=50,
+        mem_mb=memory(160),
+        runtime=minutes(1),
+        disk_mb=disk(50),
     params:
         drift=lambda wildcards: drift_of(coding_of(wildcards)),
         code=code("measure_model.py"),
@@ -56,6 +58,11 @@ rule tabulate_results:
         multiext("<system>/tables/objective", *FORMS),
     log:
         "<system>/logs/tabulate_results.log",
+    threads: 1
+    resources:
+        mem_mb=memory(150),
+        runtime=minutes(1),
+        disk_mb=disk(10),
     params:
         rows=carried(plain_rows()),
         rows_digest=marked(plain_rows()),
@@ -78,6 +85,11 @@ rule tabulate_articulation:
         multiext("<system>/tables/articulation", *FORMS),
     log:
         "<system>/logs/tabulate_articulation.log",
+    threads: 1
+    resources:
+        mem_mb=memory(150),
+        runtime=minutes(1),
+        disk_mb=disk(10),
     params:
         rows=carried(plain_rows()),
         rows_digest=marked(plain_rows()),
@@ -101,6 +113,11 @@ rule tabulate_resting:
         multiext("<system>/tables/resting", *FORMS),
     log:
         "<system>/logs/tabulate_resting.log",
+    threads: 1
+    resources:
+        mem_mb=memory(150),
+        runtime=minutes(1),
+        disk_mb=disk(10),
     params:
         rows=carried(plain_rows(("model",))),
         rows_digest=marked(plain_rows(("model",))),
@@ -122,6 +139,11 @@ rule tabulate_topologies:
         multiext("<system>/tables/topologies", *FORMS),
     log:
         "<system>/logs/tabulate_topologies.log",
+    threads: 1
+    resources:
+        mem_mb=memory(150),
+        runtime=minutes(1),
+        disk_mb=disk(10),
     params:
         rows=carried(plain_rows(names=of_topologies)),
         rows_digest=marked(plain_rows(names=of_topologies)),
@@ -142,6 +164,11 @@ rule compare_models:
         multiext("<system>/tables/comparisons", *FORMS),
     log:
         "<system>/logs/compare_models.log",
+    threads: 1
+    resources:
+        mem_mb=memory(150),
+        runtime=minutes(1),
+        disk_mb=disk(10),
     params:
         rows=carried(plain_rows(("model", "baseline"))),
         rows_digest=marked(plain_rows(("model", "baseline"))),
@@ -165,6 +192,11 @@ rule tabulate_gains:
         multiext("<system>/tables/gains", *FORMS),
     log:
         "<system>/logs/tabulate_gains.log",
+    threads: 1
+    resources:
+        mem_mb=memory(150),
+        runtime=minutes(1),
+        disk_mb=disk(10),
     params:
         rows=carried(plain_rows(names=of_gains)),
         rows_digest=marked(plain_rows(names=of_gains)),
@@ -190,6 +222,11 @@ rule tabulate_ablation:
         multiext("<system>/tables/ablation", *FORMS),
     log:
         "<system>/logs/tabulate_ablation.log",
+    threads: 1
+    resources:
+        mem_mb=memory(150),
+        runtime=minutes(1),
+        disk_mb=disk(10),
     params:
         rows=carried(plain_rows(names=of_ablation)),
         rows_digest=marked(plain_rows(names=of_ablation)),
@@ -214,6 +251,11 @@ rule tabulate_selection:
         "<system>/logs/tabulate_selection/{selection}.log",
     wildcard_constraints:
         selection=SELECTIONS,
+    threads: 1
+    resources:
+        mem_mb=memory(150),
+        runtime=minutes(1),
+        disk_mb=disk(10),
     params:
         rows=carried(selected_rows),
         rows_digest=marked(selected_rows),
@@ -240,6 +282,11 @@ rule tabulate_regions:
         multiext("<system>/tables/regions", *FORMS),
     log:
         "<system>/logs/tabulate_regions.log",
+    threads: 1
+    resources:
+        mem_mb=memory(150),
+        runtime=minutes(1),
+        disk_mb=disk(10),
     params:
         rows=carried(ordered_rows(of_regions)),
         rows_digest=marked(ordered_rows(of_regions)),
@@ -265,6 +312,11 @@ rule tabulate_emotions:
         figure="<system>/figures/emotions.png",
     log:
         "<system>/logs/tabulate_emotions.log",
+    threads: 1
+    resources:
+        mem_mb=memory(150),
+        runtime=minutes(1),
+        disk_mb=disk(10),
     params:
         rows=carried(ordered_rows(of_emotions)),
         rows_digest=marked(ordered_rows(of_emotions)),
@@ -294,8 +346,9 @@ rule measure_tracked_lips:
         "<corpus>/logs/measure_tracked_lips.log",
     threads: 1
     resources:
-        mem_mb=500,
-        disk_mb=50,
+        mem_mb=memory(150),
+        runtime=minutes(1),
+        disk_mb=disk(50),
     params:
         speakers=speakers_with_heads,
         names=recorded_names,
@@ -324,8 +377,9 @@ rule measure_across:
         "<system>/benchmarks/measure_across.tsv"
     threads: 1
     resources:
-        mem_mb=1000,
-        disk_mb=50,
+        mem_mb=memory(150),
+        runtime=minutes(1),
+        disk_mb=disk(50),
     params:
         names=recorded_names,
         rows=lambda wildcards: [row.name for row in rows_of(wildcards.system)],
@@ -345,6 +399,11 @@ rule tabulate_systems:
         multiext("<corpus>/tables/systems", *FORMS),
     log:
         "<corpus>/logs/tabulate_systems.log",
+    threads: 1
+    resources:
+        mem_mb=memory(150),
+        runtime=minutes(1),
+        disk_mb=disk(10),
     params:
         systems=carried(tabulated),
         systems_digest=marked(tabulated),
