@@ -56,6 +56,7 @@ rule list_phones:
         "<corpus>/phones.tsv",
     log:
         "<corpus>/logs/list_phones.log",
+    localrule: True
     threads: 1
     resources:
         mem_mb=memory(100),

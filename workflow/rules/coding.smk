@@ -120,6 +120,7 @@ rule accept_faces:
         findings="<coding>/findings.tsv",
     log:
         "<coding>/logs/accept_faces.log",
+    localrule: True
     threads: 1
     resources:
         mem_mb=memory(100),

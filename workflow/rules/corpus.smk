@@ -21,6 +21,7 @@ rule write_split:
         "<corpus>/corpus/split.tsv",
     log:
         "<corpus>/logs/write_split.log",
+    localrule: True
     threads: 1
     resources:
         mem_mb=memory(60),
@@ -69,6 +70,7 @@ rule gather_findings:
         "<corpus>/check/findings.tsv",
     log:
         "<corpus>/logs/gather_findings.log",
+    localrule: True
     threads: 1
     resources:
         mem_mb=memory(100),
