@@ -1,7 +1,7 @@
 """Runs whose jobs are on other machines: what ``profiles/slurm`` asks before a run, and how jobs end with their run.
 
-On one machine a job watches the process of its run (:mod:`visualspeech.jobs`). On another machine it sees that process no
-more, but the lock that it holds on the results, as long as the file system shares locks between machines.
+On one machine a job watches the process of its run (:mod:`visualspeech.jobs`). On another machine it cannot see
+that process, but it sees the lock that the run holds on the results, if the file system shares locks between machines.
 """
 
 import json
