@@ -63,6 +63,8 @@ LOCKS = []
 
 def hold_corpora():
     """Hold the result folder of every corpus of the run; called when jobs are about to start."""
+    if LOCKS:
+        return
     folders = [f"{SETTINGS['results']}/{name}" for name in PLAN.corpora]
     run = name_run()
     try:
@@ -77,6 +79,20 @@ def hold_corpora():
     # Snakemake limits the jobs of a second, and for that looks for new jobs a second after each start of one, and again a
     # second after that, without end: after some hundred jobs this fills a good part of a core.
     workflow.scheduler.job_rate_limiter = None
+
+
+def before_start(others):
+    """Handler of the start of a run that first holds the corpora of a module; Snakemake calls no handler of a module."""
+
+    def start(log):
+        hold_corpora()
+        others(log)
+
+    return start
+
+
+if IS_MODULE:
+    workflow._onstart = before_start(workflow._onstart)
 
 
 def refuse(sentence):
