@@ -87,6 +87,7 @@ def follow_run(end: Callable[[int], None] = os._exit, every: float = EVERY) -> N
     folders = [Path(lock).parent for lock in locks]
     if not _all_held(folders, run):
         _say_ended(end)
+        return
     threading.Thread(target=_follow, args=(folders, run, end, every), daemon=True).start()
 
 

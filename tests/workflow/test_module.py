@@ -1,6 +1,7 @@
 """Another workflow uses this one as a module, with a prefix and settings of its own."""
 
 import json
+import shutil
 import subprocess
 import sys
 from pathlib import Path
@@ -9,7 +10,7 @@ import pytest
 import yaml
 
 from tests.paths import REPOSITORY
-from tests.workflow.running import TINY, files_of
+from tests.workflow.running import TINY, files_of, tables
 
 pytestmark = pytest.mark.xdist_group("workflow")
 
@@ -85,6 +86,19 @@ def test_its_own_rule_is_the_default_and_a_small_target_is_made(tmp_path):
     # Its results are held while it runs, as those of a run by itself.
     assert (tmp_path / "speech" / "results" / "tiny" / ".lock").read_text()
     assert "Nothing to be done" in run(tmp_path).stdout
+
+
+def test_tables_and_report_are_those_of_a_run_by_itself(tiny_run, tmp_path):
+    """Made again by rules whose params name paths."""
+    workflow(tmp_path, "speech/results/tiny/corpus/split.tsv")
+    shutil.copytree(tiny_run / "results", tmp_path / "speech" / "results", symlinks=True)
+    made = tmp_path / "speech" / "results" / "tiny"
+    shutil.rmtree(made / "tables")
+    (made / "report.html").unlink()
+    done = run(tmp_path, "--rerun-triggers", "mtime", "--", "speech_report")
+    assert done.returncode == 0, done.stdout[-4000:]
+    assert tables(tmp_path / "speech") == tables(tiny_run)
+    assert '"fan2015/videos/' in (made / "report.html").read_text()
 
 
 def test_settings_are_laid_over_the_default_run(tmp_path):

@@ -26,7 +26,7 @@ rule bundle_speaker:
         "<system>/benchmarks/bundle_speaker/{model}.tsv"
     threads: 1
     resources:
-        mem_mb=memory(300),
+        mem_mb=memory(350),
         runtime=minutes(1),
         disk_mb=disk(500),
     params:
