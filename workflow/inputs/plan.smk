@@ -24,6 +24,8 @@ def of_module(given):
     """Settings of a run as a module: what it gives is laid over the default run. Its `prefix` and `replace_prefix` move
     the results as a whole, since paths stand in params too; other files, such as answers of viewers, stay where they are.
     """
+    if not (ROOT / "config" / "config.yaml").is_file():
+        raise WorkflowError("the `snakefile` of the module must be the Snakefile of a clone: settings lie beside it.")
     settings = merged(read_yaml(ROOT / "config" / "config.yaml"), given)
     if isinstance(settings["results"], str):
         settings["results"] = str(workflow.modifier.modify_path(f"{settings['results']}/")).rstrip("/")
