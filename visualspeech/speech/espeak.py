@@ -1,8 +1,8 @@
 """One call into eSpeak NG: a JSON request on standard input, the answer on standard output.
 
 :mod:`visualspeech.speech.tts` runs this file as a separate program (``python -P espeak.py``). eSpeak NG's output is
-reproducible bit for bit only for the first utterance of a process, and for voices with breath (``en-us+f3``) only with a
-seed of one's own. A crash of the C library ends only that process.
+reproducible bit for bit only for the first utterance of a process, and for voices with breath (``en-us+f3``) only with
+a seed. A crash of the C library ends only that process.
 Only the standard library and ``espeakng_loader`` are imported, for a fast start.
 
 Requests: ``{"say": text, "voice": name, "rate": words per minute, "pitch": 0..100}``, answered by one JSON line
