@@ -15,7 +15,7 @@ from visualspeech.settings import merged, read_yaml
 CONFIG = REPOSITORY / "config"
 DOCUMENTS = sorted([*REPOSITORY.glob("*.md"), *REPOSITORY.glob("docs/*.md"), *REPOSITORY.glob("config/*.md")])
 #: Options of snakemake that take the arguments after them.
-TAKE_VALUES = ("--cores", "--configfile", "--config", "--directory", "--snakefile", "--report")
+TAKE_VALUES = ("--cores", "--configfile", "--config", "--directory", "--snakefile", "--report", "--profile")
 #: Placeholders of a file name.
 HOLES = "<{*"
 
@@ -51,6 +51,8 @@ def arguments(words: list[str]) -> tuple[list[str], list[str]]:
     for word in words:
         if word.startswith("-"):
             option = word
+        elif "=" in word:
+            continue  # of --config or --default-resources
         elif option == "--configfile":
             # Snakemake takes every word up to the next option for a file: targets must stand before.
             overlays.append(word)
