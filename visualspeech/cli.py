@@ -1,4 +1,4 @@
-"""The console command ``visualspeech``: synthesises a video in which a speaker of a finished run says a text.
+"""The console command ``visualspeech``: a speaker of a finished run says a text; export of a run's results.
 
 Errors are reported in one sentence. The exit status is 2 if the command line must be changed, 130 if the command was
 interrupted (143 or 129 if it was told to end by SIGTERM or SIGHUP), and 1 for any other error.
@@ -13,6 +13,7 @@ import sys
 from collections.abc import Sequence
 from pathlib import Path
 
+from visualspeech.api.command import add_export
 from visualspeech.errors import RejectedUtterance, SettingError, VisualSpeechError
 from visualspeech.fields import MAX_SEED, shortened
 from visualspeech.interruption import stoppable
@@ -88,6 +89,7 @@ def _parser() -> argparse.ArgumentParser:
     speak.add_argument("--quiet", action="store_true", help="no progress lines")
     speak.add_argument("--debug", action="store_true", help=argparse.SUPPRESS)
     speak.set_defaults(run=_speak)
+    add_export(commands)
     return parser
 
 
