@@ -153,4 +153,3 @@ def _fits(shape: tuple[int, ...], text: str, sizes: dict[str, int]) -> bool:
         elif size % int(factor or 1) or sizes.setdefault(symbol, size // int(factor or 1)) != size // int(factor or 1):
             return False
     return True
-

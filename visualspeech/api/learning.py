@@ -164,15 +164,17 @@ def train(
             raise DataError(f"validation has {_form(validation[0])}, training {_form(training[0])}.")
         blocks, coding, regions = {INPUTS: _block([*training, *validation])}, "", {}
     row = _row(family, list(blocks) if reads is None else list(reads), blocks, seed, settings)
-    blocks = {name: blocks[name] for name in row.reads}
-    if row.reads and list(blocks) != list(training.fitted if isinstance(training, RunExamples) else blocks):
+    if list(row.reads) not in ([], list(blocks)):
         raise SettingError(f"`reads` must name all input blocks of the utterances in their order: {', '.join(blocks)}.")
+    given = training, validation
+    if not row.reads:
+        blocks, given = {}, tuple([one._replace(streams=()) for one in part] for part in given)
     lips = None
     if any(row.training.get(name) for name in WEIGHTS):
         if not isinstance(training, RunExamples):
             raise SettingError(f"{' and '.join(WEIGHTS)} need the alignment and the lips of a run; leave them out.")
         lips = recorded_lips(row, training.ids, training.targets, training.alignments)
-    task = Task(row, blocks, training, validation, coding, lips=lips, regions=regions)
+    task = Task(row, blocks, *given, coding, lips=lips, regions=regions)
     return import_module(FAMILIES[row.family].module).fit(task)
 
 
@@ -232,8 +234,10 @@ def predict(model: Model, inputs, *, sound: str | Path | np.ndarray | Sound | No
     """
     needs = needs_of_model(model)
     if isinstance(inputs, Example):
-        return model.predict(inputs.streams, len(inputs.target), inputs.rate)
+        return model.predict(inputs.streams if model.blocks else (), len(inputs.target), inputs.rate)
     if isinstance(inputs, np.ndarray | list):
+        if not model.blocks:
+            return model.predict((), len(inputs), model.rate)
         if [block.kind for block in model.blocks.values()] != ["arrays"]:
             raise DataError(f"the model reads {_what(needs)}, no array; see the documentation of predict().")
         stream = _stream(inputs, "the utterance")

@@ -5,7 +5,8 @@ from collections.abc import Mapping
 import numpy as np
 
 from visualspeech.errors import DataError
-from visualspeech.evaluation.metrics import METRICS, corpus_figure, is_measured, statistics_of, total
+from visualspeech.evaluation.articulation import ARTICULATION
+from visualspeech.evaluation.metrics import METRICS, Metric, is_measured, statistics_of, total
 from visualspeech.evaluation.scoring import FaceSequence, check_pair, score_table
 from visualspeech.evaluation.scoring import score as score_utterance
 
@@ -45,7 +46,7 @@ def score(predicted: Mapping[str, np.ndarray], true: Mapping[str, np.ndarray], *
         raise DataError(f"there is no truth of the utterance {missing[0]} ({len(missing)} in all).")
     table = score_table(_row(name, np.asarray(values), np.asarray(true[name])) for name, values in predicted.items())
     if not by_utterance:
-        return {name: _figure(table, name) for name in MEASURES}
+        return {name: _figure(table, METRICS[name]) for name in MEASURES}
     import pandas
 
     figures = {name: METRICS[name].value(statistics_of(table, METRICS[name])) for name in MEASURES}
@@ -64,10 +65,10 @@ def _row(name: str, predicted: np.ndarray, true: np.ndarray) -> dict:
     return score_utterance(name, given, recorded, rate=1.0)
 
 
-def _figure(table, name: str) -> float:
-    return float(METRICS[name].value(total(statistics_of(table, METRICS[name]))))
+def _figure(table, metric: Metric) -> float:
+    return float(metric.value(total(statistics_of(table, metric))))
 
 
 def measured(table) -> dict[str, float]:
     """Figure of every measure whose statistics a table of a run holds (``statistics.tsv``)."""
-    return {name: corpus_figure(table, name) for name, metric in METRICS.items() if is_measured(table, metric)}
+    return {name: _figure(table, one) for name, one in (METRICS | ARTICULATION).items() if is_measured(table, one)}
