@@ -38,15 +38,14 @@ def _export(given: argparse.Namespace) -> None:
     from visualspeech.api.exporting import export_run
     from visualspeech.api.runs import Run
 
-    run = Run(given.folder)
-    output = given.output or Path(f"{run.corpus}_{given.form}")
-    export_run(
-        run,
-        output,
-        given.form,
-        systems=given.system,
-        models=given.model,
-        splits=given.split,
-        utterances=given.utterance,
-        points=given.points,
-    )
+    with Run(given.folder) as run:
+        export_run(
+            run,
+            given.output or Path(f"{run.corpus}_{given.form}"),
+            given.form,
+            systems=given.system,
+            models=given.model,
+            splits=given.split,
+            utterances=given.utterance,
+            points=given.points,
+        )

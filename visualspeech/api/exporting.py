@@ -72,7 +72,13 @@ def export_run(
     StorageError
         ``run`` is no results folder, the run is not finished, or the folder cannot be written.
     """
-    run, output = run if isinstance(run, Run) else Run(run), Path(output)
+    if not isinstance(run, Run):
+        with Run(run) as opened:
+            return export_run(
+                opened, output, form, systems=systems, models=models, splits=splits, utterances=utterances,
+                points=points,
+            )  # fmt: skip
+    output = Path(output)
     if form not in FORMS:
         raise SettingError(f"there is no form {form!r}; give one of {', '.join(FORMS)}.")
     chosen = _chosen(run, systems, models, splits, utterances)

@@ -35,7 +35,7 @@ _UNFINISHED = "Run the workflow's target `all` to its end, with the same setting
 class Run:
     """The results of a corpus: ``Run("results/demo")``.
 
-    Files are opened when they are first asked for and kept open.
+    Files are opened when they are first asked for, and kept open until :meth:`close` or the end of a ``with`` block.
 
     Parameters
     ----------
@@ -65,6 +65,17 @@ class Run:
 
     def __repr__(self) -> str:
         return f"Run({str(self.folder)!r})"
+
+    def __enter__(self) -> "Run":
+        return self
+
+    def __exit__(self, *exception) -> None:
+        self.close()
+
+    def close(self) -> None:
+        """Close all files; what is asked for afterwards opens them again."""
+        while self._opened:
+            self._opened.popitem()[1].__exit__(None, None, None)
 
     @property
     def corpus(self) -> str:
