@@ -9,6 +9,7 @@ and those of a whole file.
 """
 
 import json
+import resource
 import statistics
 import subprocess
 import sys
@@ -39,30 +40,51 @@ def imported(statement: str, rounds: int = 3) -> tuple[float, list[str]]:
     return min(spent for spent, _ in found), found[0][1]
 
 
+class Timer:
+    """Wall-clock and processor time since it was made, with that of processes that have ended, as text."""
+
+    def __init__(self) -> None:
+        self._wall, self._spent = time.perf_counter(), self._processor()
+
+    @staticmethod
+    def _processor() -> float:
+        found = [resource.getrusage(who) for who in (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN)]
+        return sum(one.ru_utime + one.ru_stime for one in found)
+
+    def read(self) -> tuple[float, float]:
+        """Seconds of either."""
+        return time.perf_counter() - self._wall, self._processor() - self._spent
+
+
+def shown(spent: tuple[float, float]) -> str:
+    """Seconds as text."""
+    return "{:.2f} s ({:.2f} s of processor time)".format(*spent)
+
+
 def requests(folder: Path) -> None:
     """Print what a speaker costs, once the library is imported."""
     from visualspeech import Speaker
 
-    start = time.perf_counter()
+    timer = Timer()
     Speaker.load(folder)
-    first = time.perf_counter() - start  # reads torch and the model's family
-    start = time.perf_counter()
+    first = timer.read()  # loads torch and the model's family
+    timer = Timer()
     speaker = Speaker.load(folder)
-    print(f"loading a speaker: {time.perf_counter() - start:.2f} s, the first time in a process {first:.2f} s")
+    print(f"loading a speaker: {shown(timer.read())}; the first time in a process {shown(first)}")
 
-    def until_frame(text: str) -> float:
-        start = time.perf_counter()
+    def until_frame(text: str) -> tuple[float, float]:
+        timer = Timer()
         next(iter(speaker.say(text)))
-        return time.perf_counter() - start
+        return timer.read()
 
     first, later = until_frame(TEXTS[0]), [until_frame(text) for text in TEXTS * 3]
-    print(f"request to first frame: {first:.2f} s, later requests {statistics.median(later):.2f} s")
+    middle = tuple(map(statistics.median, zip(*later, strict=True)))
+    print(f"request to first frame: {shown(first)}; later requests {shown(middle)}")
     said = speaker.say(LONG)
-    print(f"request to first frame of {said.seconds:.0f} s of speech: {until_frame(LONG):.2f} s")
-    said = speaker.say(TEXTS[1])
-    start = time.perf_counter()
+    print(f"request to first frame of {said.seconds:.0f} s of speech: {shown(until_frame(LONG))}")
+    said, timer = speaker.say(TEXTS[1]), Timer()
     size = len(said.mp4())
-    print(f"file of {said.seconds:.1f} s of speech: {time.perf_counter() - start:.2f} s, {size / 1000:.0f} kB")
+    print(f"file of {said.seconds:.1f} s of speech: {shown(timer.read())}, {size / 1000:.0f} kB")
 
 
 def main(speaker: str = "") -> None:

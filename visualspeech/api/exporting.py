@@ -58,7 +58,7 @@ def export_run(
     output : folder to write; it must not exist, or be empty
     form : ``csv``, one table per utterance and trajectory, or ``npz``, one NumPy file per utterance; no file needs
         ``allow_pickle``
-    systems, models, splits, utterances : which ones; empty: all. A model is exported of each system that has it
+    systems, models, splits, utterances : which ones; empty: all, or with ``models`` the systems that have one of them
     points : whether the points of the face are exported too, decoded from the parameters
 
     Returns
@@ -108,6 +108,8 @@ def _chosen(run: Run, systems, models, splits, utterances) -> list[tuple[System,
     _check("split", splits, SPLITS)
     taken = [run.systems[name] for name in dict.fromkeys(systems or run.systems)]
     _check("model", models, list(dict.fromkeys(name for system in taken for name in system.models)))
+    if models and not systems:
+        taken = [system for system in taken if set(models) & set(system.models)]
     accepted = {system.name: system._accepted for system in taken}
     _check("utterance", utterances, list(dict.fromkeys(name for known in accepted.values() for name in known)))
     found = []

@@ -6,6 +6,7 @@ import signal
 import subprocess
 import sys
 import time
+from pathlib import Path
 
 import numpy as np
 import pandas
@@ -97,6 +98,17 @@ def test_the_command_chooses(folder, tmp_path, capsys, monkeypatch):
     (tmp_path / "empty").mkdir()
     status, said = told(capsys, folder, "--csv", "-o", "empty")
     assert status == 0 and "empty: 5 utterances of fan2015" in said and (tmp_path / "empty/README.txt").is_file()
+
+
+def test_a_model_chooses_its_systems(folder, tmp_path):
+    made = shutil.copytree(folder, tmp_path / "made")
+    shutil.copytree(made / "fan2015", made / "other")
+    shutil.rmtree(made / "other/models/second")
+    assert {path.parts[0] for path in map(Path, names(export_run(made, tmp_path / "all")))} >= {"fan2015", "other"}
+    chosen = names(export_run(made, tmp_path / "second", models=["second"]))
+    assert {path.parts[0] for path in map(Path, chosen)} == {"README.txt", "fan2015"}
+    both = names(export_run(made, tmp_path / "both", models=["second"], systems=["other", "fan2015"]))
+    assert "other/truth/parameters/c1.csv" in both and "other/predictions" not in str(both)
 
 
 @pytest.mark.parametrize(
