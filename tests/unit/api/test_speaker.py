@@ -1,5 +1,7 @@
 """A speaker as a program uses it: frames, a file, bytes, and mistakes."""
 
+from concurrent.futures import ThreadPoolExecutor
+
 import numpy as np
 import pytest
 import soundfile
@@ -36,6 +38,13 @@ def test_each_request_is_by_itself(speaker, tmp_path):
     plain = speaker.say("Hello.", label=False)
     assert not np.array_equal(next(iter(plain)), next(iter(first)))
     assert speaker.consent == speakers.CONSENT
+
+
+def test_requests_of_several_threads_do_not_disturb_each_other(speaker):
+    texts = ["Hello.", "How are you?", "I am well.", "Goodbye."]
+    expected = [speaker.say(text).mp4() for text in texts]
+    with ThreadPoolExecutor(4) as pool:
+        assert list(pool.map(lambda text: speaker.say(text).mp4(), texts)) == expected
 
 
 def test_frames_are_rendered_as_they_are_asked_for(speaker, monkeypatch):
