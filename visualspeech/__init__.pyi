@@ -11,10 +11,11 @@ from visualspeech.api.faces import track as track
 from visualspeech.api.learning import predict as predict
 from visualspeech.api.learning import train as train
 from visualspeech.api.runs import Run as Run
-from visualspeech.api.runs import System as System
 from visualspeech.api.scores import score as score
 from visualspeech.api.speaker import Said as Said
 from visualspeech.api.speaker import Speaker as Speaker
+from visualspeech.api.speech import align as align
+from visualspeech.api.systems import System as System
 from visualspeech.errors import DataError as DataError
 from visualspeech.errors import RejectedUtterance as RejectedUtterance
 from visualspeech.errors import SettingError as SettingError
@@ -30,7 +31,7 @@ from visualspeech.models.registry import load_model as load_model
 from visualspeech.speech.alignment import Alignment as Alignment
 from visualspeech.speech.export import write_textgrid as write_textgrid
 from visualspeech.speech.forced_alignment import AlignmentSettings as AlignmentSettings
-from visualspeech.speech.forced_alignment import align as align
+from visualspeech.speech.lexicon import Lexicon as Lexicon
 
 __version__: str
 __all__: list[str]

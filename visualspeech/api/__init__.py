@@ -11,9 +11,10 @@ from importlib import import_module
 #: Public name -> module that defines it.
 PUBLIC = {
     # Speech
-    "align": "visualspeech.speech.forced_alignment",
+    "align": "visualspeech.api.speech",
     "Alignment": "visualspeech.speech.alignment",
     "AlignmentSettings": "visualspeech.speech.forced_alignment",
+    "Lexicon": "visualspeech.speech.lexicon",
     "write_textgrid": "visualspeech.speech.export",
     # Faces
     "track": "visualspeech.api.faces",
@@ -37,7 +38,7 @@ PUBLIC = {
     "score": "visualspeech.api.scores",
     # Results of a run
     "Run": "visualspeech.api.runs",
-    "System": "visualspeech.api.runs",
+    "System": "visualspeech.api.systems",
     "export_run": "visualspeech.api.exporting",
     # Talking head
     "Speaker": "visualspeech.api.speaker",

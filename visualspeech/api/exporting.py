@@ -6,8 +6,11 @@ from pathlib import Path
 
 import numpy as np
 
-from visualspeech.api.runs import SPLITS, Run, System
-from visualspeech.errors import SettingError, StorageError
+from visualspeech.api.runs import Run
+from visualspeech.api.systems import SPLITS, System
+from visualspeech.corpora.records import LEGAL_ID, MAX_ID
+from visualspeech.errors import DamagedFile, SettingError, StorageError
+from visualspeech.fields import shortened
 from visualspeech.jobs import log, progress
 from visualspeech.speech.alignment import TIERS
 from visualspeech.storage.files import check_writable, replacing, write_text
@@ -120,6 +123,11 @@ def _chosen(run: Run, systems, models, splits, utterances) -> list[tuple[System,
         if missing:
             raise StorageError(
                 f"the run in {run.folder} is not finished: {system.name} has no targets of {missing[0]}."
+            )
+        # Files are named by the ids, and the folder may come from a stranger.
+        if illegal := [name for name in names if not LEGAL_ID.fullmatch(name) or len(name) > MAX_ID]:
+            raise DamagedFile(
+                system.coding_folder / "utterances.tsv", f"{shortened(illegal[0])!r} is no id of an utterance"
             )
         if names:
             found.append(

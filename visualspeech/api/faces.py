@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
+from visualspeech.api.speech import named
 from visualspeech.errors import DataError
 from visualspeech.face.aam.model import Aam, AamSettings, fit
 from visualspeech.face.aam.reference import Reference, ReferenceSettings, fit_reference, sample_textures
@@ -104,12 +105,13 @@ def track(
     DataError
         Frames were given without their rate.
     """
-    if isinstance(recording, str | Path):
-        found, rate = track_recording(recording, start, end, settings, screening)
-    else:
-        if not rate or rate <= 0:
-            raise DataError("frames need their frame rate in Hz: track(frames, rate=25).")
-        found = track_screened(recording, rate, settings, screening)
+    if not isinstance(recording, str | Path) and not (rate and rate > 0):
+        raise DataError("frames need their frame rate in Hz: track(frames, rate=25).")
+    with named(recording):
+        if isinstance(recording, str | Path):
+            found, rate = track_recording(recording, start, end, settings, screening)
+        else:
+            found = track_screened(recording, rate, settings, screening)
     return TrackedFace(found.points, found.detected, float(rate), (found.width, found.height), found.findings)
 
 
@@ -187,7 +189,8 @@ def sample_faces(
         from visualspeech.media.reading import read_frames
 
         frames = read_frames(recording, start, end)
-    textures = sample_textures(frames, reference.points.select(tracked.points), reference)
+    with named(recording):
+        textures = sample_textures(frames, reference.points.select(tracked.points), reference)
     return SampledFaces(to_vector(reference.points.select(normalised.points)), textures, reference, tracked.rate)
 
 

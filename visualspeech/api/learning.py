@@ -6,13 +6,14 @@ from pathlib import Path
 
 import numpy as np
 
+from visualspeech.api.speech import named
 from visualspeech.errors import DataError, SettingError
 from visualspeech.features.blocks.arrays import Arrays
 from visualspeech.features.blocks.base import Source
 from visualspeech.features.examples import Example, Examples
 from visualspeech.features.streams import Stream
 from visualspeech.fields import shortened
-from visualspeech.models.entries import ENTRY
+from visualspeech.models.entries import ENTRY, family_settings
 from visualspeech.models.families import FAMILIES
 from visualspeech.models.inventory import needs_of_model, phones_of, predict_source
 from visualspeech.models.lips import WEIGHTS, recorded_lips
@@ -202,6 +203,14 @@ def _row(family: str, reads: list, blocks: Mapping, seed: int, settings: Mapping
         raise SettingError(
             f"`{next(iter(of_training))}` is for networks; the family {family} is trained in another way."
         )
+    if (
+        known is not None
+        and not known.trained
+        and known.made_from(family_settings(known, settings, "models.model", {}))
+    ):
+        raise SettingError(
+            f"with these settings a model of the family {family} is made from another; train it in a run."
+        )
     if known is None or known.reads[1] != 0:
         entry["reads"] = reads
     rows = [row for row in expand({"model": entry}, list(blocks), {}, [seed], "models") if row.group == "model"]
@@ -277,7 +286,8 @@ def _sound(sound) -> Sound:
     from visualspeech.speech.spoken import spooled
 
     if isinstance(sound, str | Path):
-        return spooled(sound)
+        with named(sound):
+            return spooled(sound)
     samples = np.asarray(sound)
     if samples.ndim != 1 or not (samples.dtype == np.int16 or samples.dtype.kind == "f"):
         raise DataError(

@@ -12,6 +12,7 @@ from visualspeech.animation.performance import Performance, perform
 from visualspeech.animation.speaking import speak, speaking_frames
 from visualspeech.animation.speaking_settings import SpeakSettings
 from visualspeech.animation.walk import WalkSettings
+from visualspeech.api.speech import named
 from visualspeech.errors import SettingError
 from visualspeech.fields import MAX_SEED, shortened
 from visualspeech.models.inventory import needs_of_model
@@ -178,7 +179,8 @@ class Speaker:
         else:
             listens = "audio" in needs_of_model(bundle.trained)
             spoken = speak_recording(recording, text, rate, shares=bundle.shares, with_sound=listens)
-        return self._said(bundle, spoken, f"recording {Path(recording).name}, as given", seed, label)
+        with named(recording):
+            return self._said(bundle, spoken, f"recording {Path(recording).name}, as given", seed, label)
 
     def _said(self, bundle: SpeakerBundle, spoken, voice: str, seed: int, label: bool) -> Said:
         if not (isinstance(seed, int) and 0 <= seed <= MAX_SEED):

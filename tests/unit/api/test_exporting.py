@@ -8,6 +8,7 @@ import sys
 import time
 from pathlib import Path
 
+import h5py
 import numpy as np
 import pandas
 import pytest
@@ -16,6 +17,7 @@ from tests.unit.api import results
 from visualspeech import Run, export_run
 from visualspeech.api import exporting
 from visualspeech.cli import main
+from visualspeech.storage.arrays import ArrayWriter
 
 
 @pytest.fixture(scope="module")
@@ -157,6 +159,21 @@ def test_what_is_no_finished_run_is_told(folder, tmp_path, capsys):
     assert not out.exists()
 
 
+def test_ids_that_are_paths_are_refused(folder, tmp_path, capsys):
+    made = shutil.copytree(folder, tmp_path / "made")
+    path = made / "codings/aam51/utterances.tsv"
+    path.write_text(path.read_text().replace("c1\t", "../../c1\t", 1))
+    (made / "fan2015/targets/0.h5").unlink()
+    with ArrayWriter(made / "fan2015/targets/0.h5") as out:
+        for name in ("a1", "a2", "b1"):
+            out.add(name, {"appearance": np.zeros((20, 4), np.float32)}, 25.0)
+    with h5py.File(made / "fan2015/targets/0.h5", "a") as file:
+        file.copy("a1", "../../c1")
+    status, said = told(capsys, made, "--csv", "-o", tmp_path / "out")
+    assert status == 1 and "Traceback" not in said and "c1" in said
+    assert {one.name for one in tmp_path.iterdir()} == {"made"}
+
+
 def test_an_export_that_fails_leaves_nothing(folder, tmp_path, monkeypatch, capsys):
     write, done = exporting._write_npz, []
 
@@ -182,6 +199,7 @@ def slow(*given):
     time.sleep(60)
 exporting._write_npz = slow
 from visualspeech.cli import main
+from visualspeech.storage.arrays import ArrayWriter
 sys.exit(main(sys.argv[1:]))
 """
 

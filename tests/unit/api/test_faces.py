@@ -11,6 +11,7 @@ from visualspeech import (
     RejectedUtterance,
     SettingError,
     TrackedFace,
+    align,
     fit_aam,
     fit_head,
     normalise_pose,
@@ -66,8 +67,12 @@ def test_mistakes_are_reported(tracked, tmp_path):
         track(frames(tracked))
     with pytest.raises(RejectedUtterance, match="no video frames"):
         track([], rate=25)
-    with pytest.raises(RejectedUtterance):
+    with pytest.raises(RejectedUtterance, match="nowhere.mp4: the file does not exist. Correct its name"):
         track(tmp_path / "nowhere.mp4")
+    with pytest.raises(RejectedUtterance, match="nowhere.wav: the file does not exist. Correct its name"):
+        align(tmp_path / "nowhere.wav", "Hello.")
+    with pytest.raises(RejectedUtterance, match="^there is no speech in the sound. Check the microphone"):
+        align(np.zeros(16_000, np.int16), "Hello.")
     with pytest.raises(DataError, match="at least one tracked recording"):
         fit_head([])
     other = TrackedFace(tracked.points, tracked.detected, 25.0, (64, 64))

@@ -97,6 +97,7 @@ INPUTS, TARGETS = GIVEN[0]
         (GIVEN, {"family": "ensemble"}, "made of others"),
         (GIVEN, {"family": "reconstruction"}, "made of others"),
         (GIVEN, {"family": "hmm"}, "reads segments"),
+        (GIVEN, {"family": "hmm", "variant": "tied"}, "is made from another; train it in a run"),
         (GIVEN, {"family": "mean", "max_epochs": 3}, "`max_epochs` is for networks"),
         (GIVEN, {"letters": "F", "nodes": 4, "reads": ["sound"]}, "sound"),
         (GIVEN, {"letters": "F", "nodes": 4, "seed": "a"}, "seed"),

@@ -97,7 +97,7 @@ def test_other_mistakes(speaker, tmp_path):
         Speaker.load(tmp_path)
     with pytest.raises(SettingError, match="ends in .mp4"):
         speaker.say("Hello.").save(tmp_path / "said.avi")
-    with pytest.raises(RejectedUtterance):
+    with pytest.raises(RejectedUtterance, match="nowhere.wav: the file does not exist"):
         speaker.say_recording(tmp_path / "nowhere.wav", "Hello.")
     with pytest.raises(SettingError, match="is empty"):
         speaker.say_recording(tmp_path / "nowhere.wav", " ")
