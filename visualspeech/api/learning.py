@@ -169,7 +169,7 @@ def train(
         raise SettingError(f"`reads` must name all input blocks of the utterances in their order: {', '.join(blocks)}.")
     given = training, validation
     if not row.reads:
-        blocks, given = {}, tuple([one._replace(streams=()) for one in part] for part in given)
+        blocks, given = {}, tuple(map(_TargetsAlone, given))
     lips = None
     if any(row.training.get(name) for name in WEIGHTS):
         if not isinstance(training, RunExamples):
@@ -177,6 +177,19 @@ def train(
         lips = recorded_lips(row, training.ids, training.targets, training.alignments)
     task = Task(row, blocks, *given, coding, lips=lips, regions=regions)
     return import_module(FAMILIES[row.family].module).fit(task)
+
+
+class _TargetsAlone(Sequence):
+    """Utterances for a model that reads no input; they are read as they are asked for."""
+
+    def __init__(self, examples: Sequence[Example]) -> None:
+        self._examples = examples
+
+    def __len__(self) -> int:
+        return len(self._examples)
+
+    def __getitem__(self, number: int) -> Example:
+        return self._examples[number]._replace(streams=())
 
 
 def _block(examples: Sequence[Example]) -> Arrays:
@@ -200,17 +213,10 @@ def _row(family: str, reads: list, blocks: Mapping, seed: int, settings: Mapping
     if known is None or known.trained:
         entry["training"] = of_training
     elif of_training:
-        raise SettingError(
-            f"`{next(iter(of_training))}` is for networks; the family {family} is trained in another way."
-        )
-    if (
-        known is not None
-        and not known.trained
-        and known.made_from(family_settings(known, settings, "models.model", {}))
-    ):
-        raise SettingError(
-            f"with these settings a model of the family {family} is made from another; train it in a run."
-        )
+        named = next(iter(of_training))
+        raise SettingError(f"`{named}` is for networks; the family {family} is trained in another way.")
+    elif known.made_from(family_settings(known, settings, "models.model", {})):
+        raise SettingError(f"such a model of the family {family} is made from another; train it in a run.")
     if known is None or known.reads[1] != 0:
         entry["reads"] = reads
     rows = [row for row in expand({"model": entry}, list(blocks), {}, [seed], "models") if row.group == "model"]

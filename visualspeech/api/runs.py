@@ -125,8 +125,13 @@ class Run:
         arrays = self._arrays("pose")
         return arrays.array(known_in(arrays, utterance, self.folder), "points")
 
+    def motion(self, utterance: str) -> np.ndarray:
+        """The motion capture (T, P, D) in the unit of the recording, of a corpus that has it in place of video."""
+        arrays = self._arrays("motion")
+        return arrays.array(known_in(arrays, utterance, self.folder), "points")
+
     def rate(self, utterance: str) -> float:
-        """Frame rate in Hz of the recorded faces."""
+        """Frame rate in Hz of the recorded faces: landmarks, or motion capture."""
         folder = "landmarks" if (self.folder / "landmarks").is_dir() else "motion"
         arrays = self._arrays(folder)
         return arrays.rate(known_in(arrays, utterance, self.folder))

@@ -7,7 +7,7 @@ import pytest
 
 from tests.unit.api import results
 from visualspeech import DataError, Run, StorageError
-from visualspeech.storage.arrays import ArrayReader
+from visualspeech.storage.arrays import ArrayReader, ArrayWriter
 
 
 @pytest.fixture(scope="module")
@@ -113,6 +113,26 @@ def test_an_unfinished_run_is_reported(folder, tmp_path):
     (made / "utterances.tsv").unlink()
     with pytest.raises(StorageError, match="is not finished: it has no utterances.tsv"):
         Run(made)
+
+
+def test_recorded_faces_are_landmarks_or_motion_capture(folder, tmp_path):
+    made = shutil.copytree(folder, tmp_path / "made")
+    markers = np.arange(24.0).reshape(4, 2, 3)
+    with ArrayWriter(made / "motion" / "0.h5") as out:
+        out.add("c1", {"points": markers}, 120.0)
+    with Run(made) as run:
+        assert np.array_equal(run.motion("c1"), markers) and run.rate("c1") == 120
+    points = np.zeros((3, 68, 2))
+    for name in ("landmarks", "pose"):
+        with ArrayWriter(made / name / "0.h5") as out:
+            out.add("c1", {"points": points + len(name)}, 25.0)
+    with ArrayWriter(made / "audio" / "0.h5") as out:
+        out.add("c1", {"samples": np.arange(9, dtype=np.int16)}, 16_000)
+    with Run(made) as run:
+        assert run.rate("c1") == 25 and run.landmarks("c1")[0, 0, 0] == 9 and run.frontal("c1")[0, 0, 0] == 4
+        assert run.sound("c1")[0].tolist() == list(range(9)) and run.sound("c1")[1] == 16_000
+        with pytest.raises(DataError, match="has no utterance 'c2'; it has c1"):
+            run.landmarks("c2")
 
 
 def test_models_of_another_coding_are_reported(folder, tmp_path):
