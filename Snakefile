@@ -88,7 +88,6 @@ onerror:
     show_failure()
 
 
-
 # Named targets.
 rule all:
     default_target: True

@@ -34,6 +34,8 @@ NEEDS = {
     "one_speaker": "recordings of one speaker (select one with `speaker` of the corpus)",
     "emotion": "an emotion label of the utterances",
 }
+#: Kinds of input blocks that a program gives (:func:`visualspeech.train`) and no system can have.
+GIVEN = ("arrays",)
 #: A name, which becomes a folder of the results.
 NAME = {
     "type": "string",
@@ -208,13 +210,17 @@ def input_mistakes(system: Mapping, where: str) -> list[str]:
 def block_schema(kind: str) -> dict:
     """JSON Schema of an input block of a kind."""
     cls = block_class(kind).settings
-    naming = {"enum": block_kinds(), "description": "Kind of input block."}
+    naming = _kind_schema()
     own = section_schema(cls)["properties"] if cls else {}
     return {"type": "object", "additionalProperties": False, "properties": {"kind": naming, **own}}
 
 
+def _kind_schema() -> dict:
+    return {"enum": [kind for kind in block_kinds() if kind not in GIVEN], "description": "Kind of input block."}
+
+
 def _block_mistakes(block: Mapping, where: str) -> list[str]:
-    naming = {"kind": {"enum": block_kinds(), "description": "Kind of input block."}}
+    naming = {"kind": _kind_schema()}
     found = mistakes(block, {"type": "object", "required": ["kind"], "properties": naming}, where)
     return found or mistakes(block, block_schema(block["kind"]), where)
 
