@@ -144,6 +144,10 @@ def speak_commands(folder: str, made: bool, arguments: Sequence[str], targets: C
     # Typed as .venv/bin/snakemake, with its folder not on the path.
     before = "" if shutil.which("snakemake") else f"{os.path.relpath(own)}/"
     name = "python -m snakemake" if Path(program).name == "__main__.py" else f"{before}snakemake"
-    rest = [word for word in words if word not in targets and word not in FORCING]
+    forced, rest = False, []
+    for word in words:
+        forced = word in ("-R", "--forcerun") or (forced and not word.startswith("-"))  # they take the words after them
+        if not forced and word not in targets and word not in FORCING:
+            rest.append(word)
     say = f'{before}visualspeech speak --model {shlex.quote(folder)} --text "Hello." -o hello.mp4'
     return [say] if made else [shlex.join([*name.split(), "speaker", *rest]), say]
