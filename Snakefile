@@ -15,6 +15,9 @@ shell.prefix(shell_prefix())
 configfile: str(Path(workflow.basedir, "config", "config.yaml"))
 
 
+report: "workflow/report/workflow.rst"
+
+
 include: "workflow/inputs/plan.smk"
 
 
