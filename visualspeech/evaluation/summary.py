@@ -7,14 +7,11 @@ from collections.abc import Collection, Mapping, Sequence
 from pathlib import Path
 
 from visualspeech.corpora.findings import UNLISTED, read_findings, rejected_ids
-from visualspeech.evaluation.gains import best_cell
-from visualspeech.evaluation.metrics import METRICS, is_measured
+from visualspeech.evaluation.conclusions import choose
 from visualspeech.models.rows import ModelRow
 from visualspeech.progress import Failed
 from visualspeech.storage.tables import read_numbers
 
-#: Measures by which a model is called the best; the first one that all validation utterances have.
-CHOICE = ("rmse_appearance", "ccc_lower", "gv_ratio")
 WIDTH, INDENT = 100, 18
 #: Most words that are listed.
 MOST_WORDS = 10
@@ -70,28 +67,16 @@ def guessed_words(findings: Sequence[str]) -> list[str]:
     return list(dict.fromkeys(word for one in said for word in one.removeprefix(UNLISTED).split(", ")))
 
 
-def best_model(rows: Sequence[ModelRow], validation: Mapping[str, str]) -> tuple[str, str] | None:
-    """Name of the best model by the validation utterances, and the measure; None without finished models.
-
-    Seeds of one model count together, baselines and what reads the recorded face do not count.
-    """
-    own = [row for row in rows if row.role == "model" and _is_file(validation.get(row.name, ""))]
-    tables = {row.name: read_numbers(validation[row.name]) for row in own}
-    metric = next((name for name in CHOICE if all(is_measured(one, METRICS[name]) for one in tables.values())), "")
-    if not tables or not metric:
-        return None
-    best = best_cell(own, tables, metric)
-    return best, metric
-
-
 def _best(corpus: Mapping, several: bool) -> list[str]:
+    """The best model of each system by the validation utterances, as the report has it."""
     found = []
     for system in corpus["systems"]:
-        rows = list(map(ModelRow.of, system["rows"]))
-        if best := best_model(rows, system["validation"]):
-            name, metric = best
+        files = {name: path for name, path in system["validation"].items() if _is_file(path)}
+        rows = [row for row in map(ModelRow.of, system["rows"]) if row.name in files]
+        validation = {row.name: read_numbers(files[row.name]) for row in rows if row.role == "model"}
+        if choice := choose(rows, validation):
             place = f"{corpus['name']}/{system['name']}" if several else system["name"]
-            found.append(f"{place} {name} ({METRICS[metric].title})")
+            found.append(f"{place} {choice.best} ({choice.metric.title})")
     return found
 
 
@@ -144,6 +129,10 @@ def speak_commands(folder: str, made: bool, arguments: Sequence[str], targets: C
     # Typed as .venv/bin/snakemake, with its folder not on the path.
     before = "" if shutil.which("snakemake") else f"{os.path.relpath(own)}/"
     name = "python -m snakemake" if Path(program).name == "__main__.py" else f"{before}snakemake"
-    rest = [word for word in words if word not in targets and word not in FORCING]
+    forced, rest = False, []
+    for word in words:
+        forced = word in ("-R", "--forcerun") or (forced and not word.startswith("-"))  # they take the words after them
+        if not forced and word not in targets and word not in FORCING:
+            rest.append(word)
     say = f'{before}visualspeech speak --model {shlex.quote(folder)} --text "Hello." -o hello.mp4'
     return [say] if made else [shlex.join([*name.split(), "speaker", *rest]), say]

@@ -111,6 +111,7 @@ def _of_seeds(seeds: MeasuredRows, metrics, cells: Mapping, title: str) -> Table
         tuple(metric.heading for metric in metrics),
         _rows(seeds, metrics, cells, "value", frozenset()),
         notes=("Intervals are over utterances alone.",),
+        metrics=tuple(metric.name for metric in metrics),
     )
 
 

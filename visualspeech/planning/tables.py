@@ -123,8 +123,9 @@ def _selection(selection: Mapping, rows: Sequence[ModelRow]) -> dict:
 
 def _with_cells(names: Sequence[str], rows: Sequence[ModelRow]) -> list[str]:
     """Names of the rows that entries ask for, and of the cells that tables pool them to."""
-    cells = {row.name: row.cell or row.name for row in rows}
-    return list(dict.fromkeys(one for name in rows_of_entries(names, rows) for one in (name, cells[name])))
+    # The last is the name of the row in the table of each seed.
+    own = {row.name: (row.name, cell := row.cell or row.name, f"{cell}-s{row.seed}") for row in rows}
+    return list(dict.fromkeys(one for name in rows_of_entries(names, rows) for one in own[name]))
 
 
 def rows_of_entries(names: Sequence[str], rows: Sequence[ModelRow]) -> list[str]:

@@ -71,7 +71,7 @@ def test_a_table_has_a_short_caption_a_label_and_its_packages():
 
 
 def test_rows_and_measures_in_the_order_of_the_settings():
-    ((_, _, lines),) = read(objective(rows=["training_mean", "B_8"], metrics=["lip_distance_px", "corr"], ratios=False))
+    ((_, _, lines),) = read(objective(rows=["training_mean", "B-8"], metrics=["lip_distance_px", "corr"], ratios=False))
     assert [line[0] for line in lines] == ["", "Training mean", r"B\_8"]
     assert [line.partition("~")[0] for line in lines[0][1:]] == ["Lip distance {[}px{]}", "CORR"]
     # The best of all rows is left out, so another one is the best.
@@ -81,7 +81,7 @@ def test_rows_and_measures_in_the_order_of_the_settings():
 
 
 def test_the_floor_is_never_the_best():
-    ((_, _, lines), _) = read(objective(rows=["floor", "training_mean", "B_8"], metrics=["rmse_shape"]))
+    ((_, _, lines), _) = read(objective(rows=["floor", "training_mean", "B-8"], metrics=["rmse_shape"]))
     assert [line[1].startswith(r"\textbf{") for line in lines] == [False, False, False, True]
 
 

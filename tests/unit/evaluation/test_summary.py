@@ -86,7 +86,7 @@ def test_a_failure_names_job_message_log_and_remedy(tmp_path):
 
 def test_what_to_type_next(monkeypatch):
     monkeypatch.setattr("shutil.which", lambda name: f"/bin/{name}")
-    typed = ["/bin/snakemake", "--cores", "2", "all", "--configfile", "my file.yaml", "-F"]
+    typed = ["/bin/snakemake", "--cores", "2", "all", "--configfile", "my file.yaml", "-F", "-R", "x", "y"]
     first, second = speak_commands("results/demo/x", False, typed, {"all"})
     assert first == "snakemake speaker --cores 2 --configfile 'my file.yaml'"
     assert second == 'visualspeech speak --model results/demo/x --text "Hello." -o hello.mp4'
