@@ -124,9 +124,9 @@ def _parser() -> argparse.ArgumentParser:
     )  # fmt: skip
     background.add_argument("-o", "--output", required=True, type=Path, metavar="FOLDER", help="the folder to write")
     background.add_argument(
-        "--start", type=float, default=0.0, metavar="SECONDS", help="begin of the part that is shown"
+        "--start", type=float, default=0.0, metavar="SECONDS", help="beginning of the part of each clip that is used"
     )
-    background.add_argument("--end", type=float, default=0.0, metavar="SECONDS", help="its end; 0 for the clip's")
+    background.add_argument("--end", type=float, default=0.0, metavar="SECONDS", help="its end; 0 for that of the clip")
     background.add_argument("--quiet", action="store_true", help="no progress lines")
     background.add_argument("--debug", action="store_true", help=argparse.SUPPRESS)
     background.set_defaults(run=_background)

@@ -46,19 +46,15 @@ class CsvLandmarks:
             raise RejectedUtterance(
                 f"no landmark file {name}", "Write the landmarks of this recording to that file, or leave it out."
             )
-        self._video, self._name = video, found.name
+        self._name = found.name
         table = read_landmarks(found)
         at = np.where(np.isfinite(table["frame"]), table["frame"], table["timestamp"])
         self._faces = int(np.unique(at, return_counts=True)[1].max())
         face = _main_face(table)
-        self._points, self._usable = (
-            face["points"],
-            (face["success"] > 0) & (face["confidence"] >= settings.min_confidence),
-        )
+        self._points = face["points"]
+        self._usable = (face["success"] > 0) & (face["confidence"] >= settings.min_confidence)
         self._rows, self._warnings = rows_of_frames(face["frame"], face["timestamp"], video.rate)
-        self._causes = dict.fromkeys(
-            ("not in the file", "marked as not tracked", "not numbers", "outside the frame"), 0
-        )
+        self._causes = dict.fromkeys(CAUSES, 0)
 
     def next(self, frame: np.ndarray, number: int) -> np.ndarray | None:
         row = self._rows.get(number, -1)
