@@ -1,4 +1,4 @@
-"""The console command ``visualspeech``: a speaker of a finished run says a text, before recordings of one's choice.
+"""The console command ``visualspeech``: a speaker says a text, backgrounds of one's own, export of a run's results.
 
 Errors are reported in one sentence. The exit status is 2 if the command line must be changed, 130 if the command was
 interrupted (143 or 129 if it was told to end by SIGTERM or SIGHUP), and 1 for any other error.
@@ -15,6 +15,7 @@ from collections.abc import Sequence
 from contextlib import nullcontext
 from pathlib import Path
 
+from visualspeech.api.command import add_export
 from visualspeech.errors import CorpusError, RejectedUtterance, SettingError, VisualSpeechError
 from visualspeech.fields import MAX_SEED, shortened
 from visualspeech.interruption import stoppable
@@ -129,6 +130,7 @@ def _parser() -> argparse.ArgumentParser:
     background.add_argument("--quiet", action="store_true", help="no progress lines")
     background.add_argument("--debug", action="store_true", help=argparse.SUPPRESS)
     background.set_defaults(run=_background)
+    add_export(commands)
     return parser
 
 

@@ -17,7 +17,7 @@ LAYERS = (
     ("features",),
     ("models",),
     ("animation", "evaluation"),
-    ("planning",),
+    ("planning", "api"),
     ("cli",),
 )
 LEVELS = {name: level for level, names in enumerate(LAYERS) for name in names}

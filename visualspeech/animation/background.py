@@ -6,6 +6,7 @@ order at the same cost. Landmarks, head pose and the reference face of each reco
 
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
+from functools import cached_property
 from pathlib import Path
 
 import numpy as np
@@ -77,6 +78,11 @@ class Background:
         if decoded is None or decoded.shape[1::-1] != self.size:
             raise DamagedFile(self.path, f"frame {index + 1} is no JPEG of {self.size[0]} by {self.size[1]} pixels")
         return cv2.cvtColor(decoded, cv2.COLOR_BGR2RGB)
+
+    @cached_property
+    def distances(self) -> np.ndarray:
+        """:func:`frame_distances`, kept for all that is said on this background."""
+        return frame_distances(self)
 
     @classmethod
     def load(cls, path: str | Path) -> "Background":

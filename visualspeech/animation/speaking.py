@@ -12,7 +12,7 @@ from pathlib import Path
 
 import numpy as np
 
-from visualspeech.animation.background import Background, eyes_closed, frame_distances
+from visualspeech.animation.background import Background, eyes_closed
 from visualspeech.animation.bundle import SpeakerBundle
 from visualspeech.animation.frame_files import SOUND, barred, save_sound, saved, scaled
 from visualspeech.animation.label import labelled
@@ -59,7 +59,7 @@ def scene(background: Background, frames: int, settings: WalkSettings | None = N
 
 def endless_background(background: Background, settings: WalkSettings | None = None) -> Iterator[Mix]:
     """Endless sequence of frames of a background (:func:`visualspeech.animation.walk.walk`)."""
-    return walk(frame_distances(background), background.clip, background.rate, settings, eyes_closed(background))
+    return walk(background.distances, background.clip, background.rate, settings, eyes_closed(background))
 
 
 def scene_of(background: Background, mixes: list[Mix]) -> Scene:

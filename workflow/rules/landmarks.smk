@@ -13,8 +13,9 @@ rule track_landmarks:
         "<corpus>/benchmarks/track_landmarks/{shard}.tsv"
     threads: 1
     resources:
-        mem_mb=1500,
-        disk_mb=500,
+        mem_mb=memory(260),
+        runtime=minutes(30, least=15),
+        disk_mb=disk(500, 1),
     params:
         landmarks=SETTINGS["landmarks"],
         screening=SETTINGS["screening"],
