@@ -17,8 +17,10 @@ rule align_speech:
         mem_mb=1000,
         disk_mb=200,
     params:
-        settings=SETTINGS["alignment"],
+        settings=alignment_of,
         text=has_text,
+        sources=carried(alignment_sources),
+        sources_digest=marked(alignment_state),
         code=code("align_speech.py"),
     script:
         "../scripts/align_speech.py"
