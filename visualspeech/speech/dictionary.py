@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from visualspeech.errors import SettingError, plain_reason
-from visualspeech.speech.lexicon import Lexicon
+from visualspeech.speech.lexicon import Lexicon, possessive
 from visualspeech.speech.phone_sets import UNKNOWN_SOUND, PhoneSet
 from visualspeech.speech.phones import SILENCE
 from visualspeech.storage.foreign import decoded, read_bytes
@@ -43,6 +43,15 @@ class Dictionary:
             word: tuple(dict.fromkeys(tuple(phone.rstrip("012") for phone in phones) for phones in many))
             for word, many in self.entries.items()
         }
+
+    def spoken(self, word: str) -> Pronunciation:
+        """How a voice pronounces a word, with stress digits: its first pronunciation, possessives by their stem; empty
+        for a word that is not listed."""
+        key = _key(word)
+        if key not in self.entries and key.endswith("'s") and key[:-2] in self.entries:
+            phones = self.entries[key[:-2]][0]
+            return (*phones, *possessive(phones[-1].rstrip("012")))
+        return self.entries.get(key, ((),))[0]
 
     def text(self) -> str:
         """The content of a file in CMU's format, which :func:`parse_dictionary` reads back."""

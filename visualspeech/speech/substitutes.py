@@ -2,8 +2,8 @@
 
 A small corpus does not contain every phone (GRID lacks "zh", "oy", "sh" ...), but a text read by the synthetic voice
 may. Lips and jaw matter here, not the sound, so substitutes follow viseme classes: "sh" for "zh" and "ch", "f" for "v".
-A missing diphthong is replaced by its first half. Phones of another phone set (``alignment.phones: as_is``) are compared by
-the phone of ARPAbet that they stand for, or where there is none by their spelling: "aː" is like "a".
+A missing diphthong is replaced by its first half. Phones of another phone set (``alignment.phones: as_is``) are
+compared by the phone of ARPAbet that they stand for, or where there is none by their spelling: "aː" is like "a".
 """
 
 from collections.abc import Iterable, Sequence
@@ -87,8 +87,8 @@ def substitute(phone: str, inventory: Sequence[str]) -> str:
     if phone == SILENCE or not _is_speech(known):
         raise SettingError(
             f"the model's phones ({', '.join(list(inventory)[:6])} ...) are not those of the voice (ARPAbet, and "
-            f"{SILENCE!r} for pauses), and do not stand for them; give a model whose alignment has phones of ARPAbet, or "
-            "IPA."
+            f"{SILENCE!r} for pauses), and do not stand for them; give a model whose alignment has phones of ARPAbet "
+            "or IPA."
         )
     for other in (wanted, *_ALIKE.get(wanted, "").split()):
         if other in known:
