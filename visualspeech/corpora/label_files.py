@@ -6,7 +6,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from visualspeech.corpora.ctm import CtmFiles, ctm_lines
+from visualspeech.corpora.ctm import CtmFiles
 from visualspeech.corpora.files import find_files, shown, suffix
 from visualspeech.corpora.records import Utterance, displayable, legal_id
 from visualspeech.corpora.textgrids import read_textgrid
@@ -250,33 +250,31 @@ def _is_of(name: str, tier: str, other: str) -> bool:
 
 
 def probe(files: LabelFiles, settings: AlignmentSettings, utterances: Sequence[Utterance], usable, most: int) -> None:
-    """Check before any job that some of the first files can be used.
+    """Check before any job that the files of some utterances can be used.
 
     Parameters
     ----------
     usable : function of :class:`Given` that raises :class:`RejectedUtterance` where its labels cannot be used
-    most : number of files that are tried
+    most : number of utterances that are tried
 
     Raises
     ------
     SettingError
-        None of them can; the message is that of the first.
+        Those of none can; the message is that of the first.
     CorpusError
-        A CTM file is none.
+        A CTM file, all of which is read, is none.
     """
-    if settings.source == CTM:
-        for path in (*files.words, *files.phones):
-            next(ctm_lines(path), None)
-        return
     tried = [one for one in utterances if not one.problem and not files.utterances[one.id].problem][:most]
+    reader = LabelReader(files.part([one.id for one in tried]), settings)
     first: RejectedUtterance | None = None
     for one in tried:
         try:
-            usable(LabelReader(files.part([one.id]), settings).read(one))
+            usable(reader.read(one))
             return
         except RejectedUtterance as error:
             first = first or error
     if first is not None:
-        many = f"none of the first {len(tried)} TextGrid files" if len(tried) > 1 else "the TextGrid file"
-        raise SettingError(f"{many} in {files.folder} can {'' if len(tried) > 1 else 'not '}be used: {first.reason}. "
-                           f"{first.remedy}")  # fmt: skip
+        raise SettingError(
+            f"the alignment of none of the first {len(tried)} utterances in {files.folder} can be used. That of "
+            f"{tried[0].id}: {first.reason}. {first.remedy}"
+        )

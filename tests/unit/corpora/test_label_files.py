@@ -6,7 +6,7 @@ from tests.unit.corpora.labels import PHONES, WORDS, write_grid
 from tests.unit.corpora.test_ctm import lines
 from visualspeech.corpora.label_files import LabelFiles, LabelReader, find_label_files, probe
 from visualspeech.corpora.records import Utterance
-from visualspeech.errors import RejectedUtterance, SettingError
+from visualspeech.errors import CorpusError, RejectedUtterance, SettingError
 from visualspeech.speech.alignment_settings import AlignmentSettings
 
 
@@ -123,7 +123,23 @@ def test_files_of_which_none_can_be_used_are_refused_before_the_run(tmp_path):
         write_grid(tmp_path / f"aligned/{one.id}.TextGrid", {"Wort": WORDS, "Laut": PHONES})
     own = AlignmentSettings(source="textgrid", folder="aligned")
     files = find_label_files({"name": "mine", "root": str(tmp_path)}, own, all_)
-    with pytest.raises(SettingError, match="none of the first 3 TextGrid files.*u0.TextGrid has no tier 'words'"):
+    with pytest.raises(
+        SettingError,
+        match="none of the first 3 utterances in .* can be used. That of u0: u0.TextGrid has no tier 'words'",
+    ):
         probe(files, own, all_, lambda given: None, 3)
     write_grid(tmp_path / "aligned/u2.TextGrid")
     probe(files, own, all_, lambda given: None, 3)
+
+
+def test_ctm_files_are_read_before_the_run(tmp_path):
+    both = utterance(tmp_path, "one"), utterance(tmp_path, "two")
+    (tmp_path / "words.ctm").write_text(lines(WORDS, "other"))
+    (tmp_path / "phones.ctm").write_text(lines(PHONES, "one"))
+    own = AlignmentSettings(source="ctm", folder=".")
+    files = find_label_files({"name": "mine", "root": str(tmp_path)}, own, both)
+    with pytest.raises(SettingError, match="That of one: the CTM files of words have no utterance 'one'"):
+        probe(files, own, both, lambda given: None, 3)
+    (tmp_path / "words.ctm").write_text(lines(WORDS, "one") + "one 1 0.2\n")
+    with pytest.raises(CorpusError, match="words.ctm, line 3 has 3 fields"):
+        probe(files, own, both, lambda given: None, 3)

@@ -91,6 +91,12 @@ def test_files_that_cannot_be_used_are_refused_before_any_job(tmp_path):
         settled(tmp_path, dictionary="none.dict")
 
 
+def test_files_among_the_results_are_refused(tmp_path):
+    given = corpus(tmp_path / "clips", folder=str(tmp_path / "results/mine/alignment/textgrid"))
+    with pytest.raises(SettingError, match="`corpora.mine.alignment.folder: .*` lies among the results.*copy it"):
+        resolved({"corpora": [given], "results": str(tmp_path / "results")})
+
+
 @pytest.mark.parametrize("detection", ["metadata", "content"])
 def test_a_file_that_changes_re_runs_its_shard_alone(tmp_path, detection):
     def digests():
