@@ -57,7 +57,8 @@ def position_names(columns: int, centre: int) -> list[str]:
 def phone_sets(phones: Sequence[str]) -> dict[str, np.ndarray]:
     """Sets of phones of an inventory by name, (K,) bool each: articulatory classes, and every phone by itself.
 
-    Phones of another set than ARPAbet are in the classes of the phone that they stand for. A set with no phone, with all phones, or with the phones of an earlier set is left out.
+    Phones of another set than ARPAbet are in the classes of the phone that they stand for. A set with no phone, with
+    all phones, or with the phones of an earlier set is left out.
     """
     result: dict[str, np.ndarray] = {}
     for name, members in {**PHONE_CLASSES, **{phone: {phone} for phone in phones}}.items():
