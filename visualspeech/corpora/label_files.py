@@ -255,7 +255,7 @@ def probe(files: LabelFiles, settings: AlignmentSettings, utterances: Sequence[U
     Parameters
     ----------
     usable : function of :class:`Given` that raises :class:`RejectedUtterance` where its labels cannot be used
-    most : number of utterances that are tried
+    most : number of utterances that are tried, evenly spread over the corpus
 
     Raises
     ------
@@ -264,7 +264,8 @@ def probe(files: LabelFiles, settings: AlignmentSettings, utterances: Sequence[U
     CorpusError
         A CTM file, all of which is read, is none.
     """
-    tried = [one for one in utterances if not one.problem and not files.utterances[one.id].problem][:most]
+    able = [one for one in utterances if not one.problem and not files.utterances[one.id].problem]
+    tried = able[:: max(1, len(able) // most)][:most]
     reader = LabelReader(files.part([one.id for one in tried]), settings)
     first: RejectedUtterance | None = None
     for one in tried:
@@ -275,6 +276,6 @@ def probe(files: LabelFiles, settings: AlignmentSettings, utterances: Sequence[U
             first = first or error
     if first is not None:
         raise SettingError(
-            f"the alignment of none of the first {len(tried)} utterances in {files.folder} can be used. That of "
-            f"{tried[0].id}: {first.reason}. {first.remedy}"
+            f"none of {len(tried)} alignments in {files.folder} that were tried can be used. That of {tried[0].id}: "
+            f"{first.reason}. {first.remedy}"
         )

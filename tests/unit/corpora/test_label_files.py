@@ -125,7 +125,7 @@ def test_files_of_which_none_can_be_used_are_refused_before_the_run(tmp_path):
     files = find_label_files({"name": "mine", "root": str(tmp_path)}, own, all_)
     with pytest.raises(
         SettingError,
-        match="none of the first 3 utterances in .* can be used. That of u0: u0.TextGrid has no tier 'words'",
+        match="none of 3 alignments in .* that were tried can be used. That of u0: u0.TextGrid has no tier 'words'",
     ):
         probe(files, own, all_, lambda given: None, 3)
     write_grid(tmp_path / "aligned/u2.TextGrid")
