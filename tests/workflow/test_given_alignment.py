@@ -35,7 +35,7 @@ def mine(tiny_run, tmp_path_factory):
     }  # fmt: skip
 
 
-def written(folder, settings, **alignment):
+def written(folder, settings, /, **alignment):
     """The overlay of a run, with other settings of the alignment."""
     corpus = settings["corpora"][0]
     changed = {**settings, "corpora": [{**corpus, "alignment": {**corpus["alignment"], **alignment}}]}
