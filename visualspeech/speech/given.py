@@ -123,8 +123,8 @@ def assembled(given: Given, seconds: float, phones: PhoneSet, from_tier: bool = 
     if unknown:
         first = unknown[0]
         warnings.append((
-            f"{given.file}: {len(unknown)} of its intervals of sound have no phones, the first {first.label!r} at "
-            f"{first.start:.2f} s; they count as pauses",
+            f"{given.file}: sound without phones counts as a pause: {len(unknown)} interval{'s' * (len(unknown) > 1)}, "
+            f"the first {first.label!r} at {first.start:.2f} s",
             "Add the unknown words to the dictionary of the aligner and align again, or leave the utterance out.",
         ))  # fmt: skip
     if misfits:

@@ -46,7 +46,7 @@ def test_unknown_sound_is_a_pause_with_a_warning():
     found = assembled(given(words, phones), 1.2, PhoneSet())
     assert labels(found.alignment.phones)[-1] == ("sil", 0.9, 1.2, 3)
     assert [text for text, _ in found.warnings] == [
-        "a.TextGrid: 1 of its intervals of sound have no phones, the first 'spn' at 0.90 s; they count as pauses"
+        "a.TextGrid: sound without phones counts as a pause: 1 interval, the first 'spn' at 0.90 s"
     ]
 
 
