@@ -79,6 +79,7 @@ class LabelReader:
 
     def __init__(self, files: LabelFiles, settings: AlignmentSettings) -> None:
         self._files, self._settings, self._ctm = files, settings, None
+        self._last: tuple[tuple[str, str], Given] | None = None  # parts of one recording share a TextGrid
         if settings.source == CTM:
             wanted = {name for one in files.utterances.values() for name in one.names}
             self._ctm = CtmFiles(files.words, files.phones, wanted, settings.word_tier, settings.phone_tier)
@@ -91,19 +92,24 @@ class LabelReader:
         RejectedUtterance
             There is no file, or it cannot be read (:func:`read_textgrid`, :meth:`CtmFiles.given`).
         """
-        own, settings = self._files.utterances[utterance.id], self._settings
+        own = self._files.utterances[utterance.id]
         if own.problem:
             raise RejectedUtterance(
                 own.problem, f"Align the recording and put its file into {self._files.folder}, or leave it out."
             )
         if self._ctm is None:
-            given = read_textgrid(own.names[0], settings.word_tier, settings.phone_tier, utterance.speaker)
-            number = 0
+            given, number = self._textgrid(own.names[0], utterance.speaker), 0
         else:
             number = next((k for k, name in enumerate(own.names) if self._ctm.has(name)), 0)
             given = self._ctm.given(own.names[number])
         begin, end = own.begin[number], own.end[number]
         return cut(given, begin, end) if begin or end else given
+
+    def _textgrid(self, path: str, speaker: str) -> Given:
+        if self._last is None or self._last[0] != (path, speaker):
+            found = read_textgrid(path, self._settings.word_tier, self._settings.phone_tier, speaker)
+            self._last = ((path, speaker), found)
+        return self._last[1]
 
 
 def find_label_files(corpus: Mapping, settings: AlignmentSettings, utterances: Sequence[Utterance]) -> LabelFiles:

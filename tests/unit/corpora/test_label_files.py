@@ -4,8 +4,10 @@ import pytest
 
 from tests.unit.corpora.labels import PHONES, WORDS, write_grid
 from tests.unit.corpora.test_ctm import lines
+from visualspeech.corpora import label_files
 from visualspeech.corpora.label_files import LabelFiles, LabelReader, find_label_files, probe
 from visualspeech.corpora.records import Utterance
+from visualspeech.corpora.textgrids import read_textgrid
 from visualspeech.errors import CorpusError, RejectedUtterance, SettingError
 from visualspeech.speech.alignment_settings import AlignmentSettings
 
@@ -75,6 +77,15 @@ def test_parts_of_a_recording(tmp_path):
     first, second = ([one for one in reader.read(each).words if one.label] for each in both)
     assert [(one.label, one.start) for one in first] == [("me", 0.0)]
     assert [(one.label, one.start) for one in second] == [("be", 0.2), ("me", 0.5)]
+
+
+def test_a_file_of_many_parts_is_read_once(tmp_path, monkeypatch):
+    parts = [utterance(tmp_path, "long", f"long-000{k}", start=0.1 * k, end=1.0) for k in range(1, 4)]
+    write_grid(tmp_path / "aligned/long.TextGrid")
+    own = AlignmentSettings(source="textgrid", folder="aligned")
+    reader, read = LabelReader(find_label_files({"name": "mine", "root": str(tmp_path)}, own, parts), own), []
+    monkeypatch.setattr(label_files, "read_textgrid", lambda *given: read.append(given) or read_textgrid(*given))
+    assert [round(reader.read(one).seconds, 3) for one in parts] == [0.9, 0.8, 0.7] and len(read) == 1
 
 
 @pytest.mark.parametrize(
