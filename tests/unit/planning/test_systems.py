@@ -82,7 +82,8 @@ def test_a_system_in_one_mapping():
     assert [row["name"] for row in found["rows"]] == ["F-8", "training_mean", "reconstruction"]
     assert found["videos"]["model"] == "F-8" and found["preference"]["models"] == ["F-8", "training_mean"]
     assert "models" not in found and found["seeds"] == [1]
-    assert found["needs"] == ["video", "text"]  # labels are computed from the text, whatever its file says
+    # Labels are computed from the text, and stress from ARPAbet, whatever its file says.
+    assert found["needs"] == ["video", "arpabet", "text"]
 
 
 def test_a_system_of_baselines_shows_one():
