@@ -1,0 +1,1 @@
+"""Viewing tests: preference and naturalness studies."""
