@@ -1,1 +1,1 @@
-"""Viewing tests: preference and naturalness studies."""
+"""Viewing tests of videos: studies are made, run in a browser, rehearsed and evaluated."""
