@@ -6,7 +6,8 @@ from dataclasses import dataclass
 
 from visualspeech.errors import DataError
 from visualspeech.study.evaluation_settings import EvaluationSettings
-from visualspeech.study.records import ATTENTION, ITEM, Answer, Key, Participant, Study
+from visualspeech.study.layouts import ATTENTION, ITEM
+from visualspeech.study.records import Answer, Key, Participant, Study
 
 
 @dataclass(frozen=True)
