@@ -8,7 +8,6 @@ from collections.abc import Callable
 from pathlib import Path
 
 from visualspeech.errors import SettingError, StorageError
-from visualspeech.study.command import PORT
 from visualspeech.study.records import MEDIA, Study, read_study
 from visualspeech.study.store import AnswerStore
 
@@ -98,7 +97,7 @@ class Server:
         It cannot be served.
     """
 
-    def __init__(self, folder: str | Path, host: str = "127.0.0.1", port: int = PORT, simulated: bool = False) -> None:
+    def __init__(self, folder: str | Path, host: str = "127.0.0.1", port: int = 0, simulated: bool = False) -> None:
         check_installed()
         import uvicorn
 
