@@ -1,4 +1,4 @@
-"""The console command ``visualspeech``: synthesises a video in which a speaker of a finished run says a text.
+"""The console command ``visualspeech``: videos in which a speaker of a finished run says a text, and viewing tests.
 
 Errors are reported in one sentence. The exit status is 2 if the command line must be changed, 130 if the command was
 interrupted (143 or 129 if it was told to end by SIGTERM or SIGHUP), and 1 for any other error.
@@ -17,6 +17,7 @@ from visualspeech.errors import RejectedUtterance, SettingError, VisualSpeechErr
 from visualspeech.fields import MAX_SEED, shortened
 from visualspeech.interruption import stoppable
 from visualspeech.jobs import log
+from visualspeech.study.command import add_study
 
 #: Bytes of a name and of a path.
 MAX_NAME, MAX_PATH = 255, 4000
@@ -34,7 +35,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     log.propagate = False
     logging.raiseExceptions = False  # a closed terminal is no error
     try:
-        with stoppable(_say_stopped):
+        with stoppable(lambda _: given.stopped()):
             given.run(given)
     except VisualSpeechError as error:
         message = str(error)
@@ -56,12 +57,14 @@ def main(arguments: Sequence[str] | None = None) -> int:
     return 0
 
 
-def _say_stopped(reason: str) -> None:
+def _say_stopped() -> None:
     print("visualspeech: stopped; nothing was written.", file=sys.stderr, flush=True)
 
 
 def _parser() -> argparse.ArgumentParser:
-    parser = argparse.ArgumentParser(prog="visualspeech", description="Talking heads of recorded speakers.")
+    parser = argparse.ArgumentParser(
+        prog="visualspeech", description="Talking heads of recorded speakers, and viewing tests."
+    )
     commands = parser.add_subparsers(title="commands", required=True, metavar="COMMAND")
     speak = commands.add_parser(
         "speak",
@@ -87,7 +90,8 @@ def _parser() -> argparse.ArgumentParser:
     speak.add_argument("--no-label", action="store_true", help="leave out the small label `synthetic` in the frames")
     speak.add_argument("--quiet", action="store_true", help="no progress lines")
     speak.add_argument("--debug", action="store_true", help=argparse.SUPPRESS)
-    speak.set_defaults(run=_speak)
+    speak.set_defaults(run=_speak, stopped=_say_stopped)
+    add_study(commands)
     return parser
 
 
