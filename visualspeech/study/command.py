@@ -1,4 +1,4 @@
-"""The commands ``visualspeech study serve`` and ``visualspeech study simulate``."""
+"""The commands ``visualspeech study serve``, ``simulate`` and ``evaluate``."""
 
 import argparse
 import sys
@@ -39,6 +39,18 @@ def add_study(commands) -> None:
     simulate.add_argument("--seed", type=int, default=1, help="of the answers (default: %(default)s)")
     simulate.add_argument("--at-once", type=int, default=10, metavar="N", help="number at once (default: %(default)s)")
     simulate.add_argument("--replace", action="store_true", help="delete the answers of earlier simulations first")
+    evaluate = _command(inner, "evaluate", _evaluate, "write tables and figures of the answers")
+    evaluate.add_argument(
+        "--simulated", action="store_true", help="evaluate the simulated answers, not those of people"
+    )
+    evaluate.add_argument(
+        "-o", "--output", type=Path, metavar="FOLDER",
+        help="folder to write (default: `evaluation`, or `evaluation.simulated`, in DIR)",
+    )  # fmt: skip
+    evaluate.add_argument(
+        "--max-failed-attention", type=int, default=0, metavar="N",
+        help="attention items that a participant may fail and still be counted (default: %(default)s)",
+    )  # fmt: skip
 
 
 def _command(commands, name: str, run, text: str) -> argparse.ArgumentParser:
@@ -86,6 +98,21 @@ def _simulate(given: argparse.Namespace) -> None:
     )
     done = simulate(given.folder, given.participants, behaviour, given.seed, given.at_once, given.replace)
     log.info("%d simulated participants gave %d answers, stored in %s", given.participants, done.answers, done.path)
+
+
+def _evaluate(given: argparse.Namespace) -> None:
+    from visualspeech.study.evaluation import PAGE, check_folder, default_folder, evaluate, summary, write_evaluation
+    from visualspeech.study.evaluation_settings import EvaluationSettings
+
+    if not 0 <= given.max_failed_attention <= 1000:
+        raise SettingError(f"--max-failed-attention {given.max_failed_attention}: give 0 to 1000.")
+    output = given.output or default_folder(given.folder, given.simulated)
+    check_folder(output)
+    settings = EvaluationSettings(max_failed_attention=given.max_failed_attention)
+    evaluation = evaluate(given.folder, given.simulated, settings)
+    write_evaluation(output, evaluation)
+    print(summary(evaluation), flush=True)
+    log.info("all tables and figures: %s", output / PAGE)
 
 
 def _check_port(port: int) -> None:

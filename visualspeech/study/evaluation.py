@@ -28,6 +28,8 @@ from visualspeech.study.records import (
 FORMS = (".tsv", ".md", ".tex", ".html")
 #: The page that shows everything.
 PAGE = "evaluation.html"
+#: Parts that the command shows in the terminal.
+SUMMARY = ("preference", "ratings", "rating_tests")
 #: Folder of the results in a study folder.
 FOLDER, SIMULATED_FOLDER = "evaluation", "evaluation.simulated"
 
@@ -111,6 +113,21 @@ def _nobody_counts(path: Path, screening: Screening) -> str:
         f"{path}: none of the {len(reasons)} participants counts ({counts}). {screening.rule} Wait for more "
         "participants, or allow more failed attention items (`max_failed_attention`)."
     )
+
+
+def summary(evaluation: Evaluation) -> str:
+    """The main tables as lines of plain text: their titles and rows, and the facts of the first one."""
+    main = [table for part in evaluation.parts if part.name in SUMMARY for table in part.tables]
+    lines = []
+    for table in main:
+        lines.append(table.title)
+        for row in table.rows:
+            cells = zip(table.columns, row.cells, strict=True)
+            texts = (f"{name} {cell.text} {cell.small}".rstrip() for name, cell in cells if cell.text)
+            lines.append(f"  {row.title}: {', '.join(texts)}")
+        facts = table.facts if table is main[0] else [one for one in table.facts if one[0] == "source"]
+        lines += [f"  {name}: {text}" for name, text in facts if name not in ("visualspeech", "split")]
+    return "\n".join(lines)
 
 
 def default_folder(folder: str | Path, simulated: bool) -> Path:

@@ -152,9 +152,9 @@ def _test_table(context: Context, judged: tuple[Judged, ...], overall: Alpha) ->
         notes=(
             f"Cronbach's alpha takes participants as the items of the test and videos as its cases ({alpha.raters} "
             f"participants and {alpha.stimuli} videos; all questions: one case per video and question).",
-            "One-way ANOVA takes all ratings as independent, as Sadoughi and Busso (2017) report it, although each participant rated every "
-            "condition. Friedman's test ranks the conditions by each participant's mean rating, and takes participants "
-            "as independent; it needs three conditions.",
+            "One-way ANOVA, as Sadoughi and Busso (2017) report it, takes all ratings as independent, although each "
+            "participant rated every condition. Friedman's test ranks the conditions by each participant's mean "
+            "rating, and takes participants as independent; it needs three conditions.",
             *undefined_notes(judged),
         ),
         corner="Question",

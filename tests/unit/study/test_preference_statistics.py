@@ -132,7 +132,7 @@ def test_impossible_answers(answers, message):
 
 
 def test_the_published_preference_is_recovered():
-    """20 participants with 10 sentences each; all three shares lie in their intervals, and the test finds the better."""
+    """20 participants with 10 sentences each; the shares lie in their intervals."""
     answers = np.random.default_rng(2015).choice(3, size=(20, 10), p=PUBLISHED)
     found = evaluate_preference(choices(answers), FAST)
     for share, true in zip(found.shares, PUBLISHED, strict=True):
@@ -150,7 +150,7 @@ def test_exact_intervals_cover_the_published_shares():
 
 
 def test_participants_who_differ_need_intervals_over_participants():
-    """Participants with preferences of their own: exact intervals are too narrow, those over participants nearly hold."""
+    """Participants with preferences of their own: exact intervals are too narrow."""
     generator, exact, clustered = np.random.default_rng(3), 0, 0
     studies, settings = 200, EvaluationSettings(samples=400)
     for _ in range(studies):

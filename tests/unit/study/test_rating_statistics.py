@@ -168,7 +168,7 @@ def test_impossible_ratings():
 
 
 def test_the_recorded_motion_is_found_and_nothing_else():
-    """The result of Sadoughi and Busso (2017, Fig. 6): the first condition is higher than the others, which are equal."""
+    """The result of Sadoughi and Busso (2017, Fig. 6): the first condition is higher than all others."""
     found = evaluate_ratings(drawn(seed=9), EvaluationSettings(samples=500, permutations=5000))
     assert found.anova.p < 0.001 and found.friedman.p < 0.001
     for pair in found.pairs:
