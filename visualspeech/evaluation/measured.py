@@ -134,6 +134,11 @@ class MeasuredRows:
         """Name of a row -> its title."""
         return {row.name: row.title for row in self.rows}
 
+    def title(self, row: ModelRow) -> str:
+        """Title of a row in a table in which pooled rows stand beside others."""
+        count = len(self.repeated(row.name))
+        return f"{row.title} ({count} seeds)" if count > 1 else row.title
+
     def where(self, wanted: Callable[[ModelRow], bool]) -> "MeasuredRows":
         """The rows for which a condition holds."""
         kept = tuple(row for row in self.rows if wanted(row))
@@ -161,6 +166,16 @@ class MeasuredRows:
         rows = tuple(replace(of_cell[0], name=cell) for cell, of_cell in cells.items())
         repetitions = {cell: tuple(self.tables[row.name] for row in of_cell) for cell, of_cell in cells.items()}
         return MeasuredRows(rows, {cell: _mean(tables) for cell, tables in repetitions.items()}, repetitions)
+
+    def single(self) -> "MeasuredRows | None":
+        """The rows of the cells that have several, each with its seed in its title; None if there are none."""
+        rows = tuple(
+            replace(row, title=f"{row.title}, seed {row.seed}")
+            for of_cell in self.cells().values()
+            for row in of_cell
+            if len(of_cell) > 1
+        )
+        return MeasuredRows(rows, {row.name: self.tables[row.name] for row in rows}) if rows else None
 
     def mean_and_deviation(self, rows: Sequence[ModelRow], metric: str) -> tuple[float, float]:
         """Mean of a corpus figure over repetitions and its sample standard deviation, NaN for a single repetition."""
