@@ -5,7 +5,6 @@ from dataclasses import dataclass
 import numpy as np
 
 from visualspeech.errors import DataError
-from visualspeech.evaluation.comparisons import holm
 from visualspeech.evaluation.layout import Cell, Row, Table
 from visualspeech.evaluation.plot_style import COLOURS
 from visualspeech.evaluation.published_results import Published
@@ -33,7 +32,7 @@ from visualspeech.study.preference_statistics import (
     exact_interval,
     sign_test,
 )
-from visualspeech.study.records import Question
+from visualspeech.study.records import REMEDY
 
 #: Colours of the first condition, of neither and of the second.
 SHARE_COLOURS = (COLOURS[0], NEUTRAL, COLOURS[1])
@@ -42,106 +41,90 @@ NO_DIFFERENCE = "no difference"
 
 @dataclass(frozen=True)
 class Compared:
-    """Two conditions that were compared under one question.
+    """What viewers of a preference study preferred.
 
     Parameters
     ----------
-    question : that participants answered
-    conditions : names of the first and the second
+    conditions : names of the first and the second condition, in the order of the key
     result : statistics
     left, decided : number of answers for the left video, and for one of the two
     """
 
-    question: Question
     conditions: tuple[str, str]
     result: Preference
     left: int
     decided: int
 
 
-def compare_conditions(context: Context) -> tuple[Compared, ...]:
-    """The statistics of every pair of conditions and question of a preference study.
+def compare_conditions(context: Context) -> Compared:
+    """The statistics of a preference study.
 
     Raises
     ------
     DataError
-        An item does not compare two different conditions of the key.
+        The key does not have two conditions, or an item does not compare them.
     """
-    found = []
-    for question in context.study.questions:
-        for pair, items in _items_of_pairs(context).items():
-            answers = [(code, one) for code, one in context.screening.answers
-                       if one.question == question.name and one.item in items]  # fmt: skip
-            choices = _choices(context, pair, items, answers)
-            decided = [one for _, one in answers if one.value != NONE]
-            left = sum(one.value == LEFT for one in decided)
-            found.append(Compared(question, pair, evaluate_preference(choices, context.settings), left, len(decided)))
-    return tuple(found)
-
-
-def _items_of_pairs(context: Context) -> dict[tuple[str, str], dict[str, str]]:
-    """Pair of conditions, in the order of the key -> item -> utterance."""
-    order = {one.name: number for number, one in enumerate(context.key.conditions)}
-    found: dict[tuple[str, str], dict[str, str]] = {}
+    first, *rest = (one.name for one in context.key.conditions)
+    if len(rest) != 1:
+        raise DataError(f"key.json: a preference study compares two conditions, not {1 + len(rest)}. {REMEDY}")
+    pair, items = (first, rest[0]), {}
     for item in context.study.of_role(ITEM):
         shown = [context.key.stimuli[name] for name in item.stimuli]
-        pair = tuple(sorted(set(shown[0].conditions), key=lambda name: order.get(name, -1)))
-        if len(pair) != 2 or any(set(one.conditions) != set(pair) for one in shown) or not set(pair) <= set(order):
-            raise DataError(
-                f"key.json: the item {item.id} of the study {context.study.name} does not compare two of its "
-                "conditions. Make the study again, or copy the whole folder again."
-            )
-        found.setdefault(pair, {})[item.id] = shown[0].utterance
-    return found
+        if any(sorted(one.conditions) != sorted(pair) for one in shown):
+            raise DataError(f"key.json: the item {item.id} does not compare {first} and {rest[0]}. {REMEDY}")
+        items[item.id] = shown[0].utterance
+    answers = context.screening.answers
+    decided = [one for _, one in answers if one.value != NONE]
+    return Compared(
+        conditions=pair,
+        result=evaluate_preference(_choices(context, pair, items), context.settings),
+        left=sum(one.value == LEFT for one in decided),
+        decided=len(decided),
+    )
 
 
-def _choices(context: Context, pair: tuple[str, str], items: dict[str, str], answers) -> Choices:
-    people = list(dict.fromkeys(code for code, _ in answers))
+def _choices(context: Context, pair: tuple[str, str], items: dict[str, str]) -> Choices:
+    people = list(dict.fromkeys(code for code, _ in context.screening.answers))
     rows = {code: number for number, code in enumerate(people)}
     columns = {name: number for number, name in enumerate(items)}
     codes = {pair[0]: FIRST, NONE: NEITHER, pair[1]: SECOND}
     values = np.full((len(people), len(items)), MISSING)
-    for code, one in answers:
+    for code, one in context.screening.answers:
         values[rows[code], columns[one.item]] = codes[context.key.preferred(context.study, one)]
     return Choices(tuple(people), tuple(items.values()), values)
 
 
-def preference_parts(context: Context, compared: tuple[Compared, ...], paper: Published | None) -> tuple[Part, ...]:
+def preference_parts(context: Context, compared: Compared, paper: Published | None) -> tuple[Part, ...]:
     """The tables of shares and of sentences."""
-    corrected = holm([one.result.p for one in compared])
-    shares = [_share_table(context, one, p, len(compared)) for one, p in zip(compared, corrected, strict=True)]
-    sentences = [_sentence_table(context, one) for one in compared]
     return (
         Part(
             "preference",
             context.titled("preference test"),
-            _share_frame(context, compared, corrected, paper),
-            (*map(context.marked, shares), *published_tables(paper)),
+            _share_frame(context, compared, paper),
+            (context.marked(_share_table(context, compared)), *published_tables(paper)),
         ),
         Part(
             "sentences",
             context.titled("majority of viewers by sentence"),
             _sentence_frame(context, compared),
-            tuple(map(context.marked, sentences)),
+            (context.marked(_sentence_table(context, compared)),),
         ),
     )
 
 
 def _heading(context: Context, one: Compared) -> str:
-    first, second = map(context.title_of, one.conditions)
-    asked = f": {one.question.text}" if len(context.study.questions) > 1 else ""
-    return f"{first} against {second}{asked}"
+    return " against ".join(map(context.title_of, one.conditions))
 
 
 def _columns(context: Context, one: Compared) -> tuple[tuple[str, ...], tuple[int, ...]]:
     """Headings and codes of the answers, without `no difference` where the choice is forced."""
     first, second = map(context.title_of, one.conditions)
-    if NONE in one.question.choices:
-        return (first, NO_DIFFERENCE, second), (FIRST, NEITHER, SECOND)
-    return (first, second), (FIRST, SECOND)
+    if context.study.forced:
+        return (first, second), (FIRST, SECOND)
+    return (first, NO_DIFFERENCE, second), (FIRST, NEITHER, SECOND)
 
 
-def _share_table(context: Context, one: Compared, corrected: float, comparisons: int) -> Table:
+def _share_table(context: Context, one: Compared) -> Table:
     names, codes = _columns(context, one)
     shares = [one.result.shares[code] for code in codes]
     level, settings, found = context.level(), context.settings, one.result
@@ -174,7 +157,6 @@ def _share_table(context: Context, one: Compared, corrected: float, comparisons:
         ("sentences", str(len(found.majority.items))),
         (f"{first} among the {found.decided.total} answers for one of the two", decided),
         ("exact binomial test", p_phrase(found.p)),
-        *((((f"Holm-corrected for {comparisons} comparisons"), p_phrase(corrected)),) if comparisons > 1 else ()),
         (
             "sign-flip test over participants",
             p_phrase(found.p_participants) if found.participants > 1 else "not defined",
@@ -240,66 +222,56 @@ def published_tables(paper: Published | None) -> tuple[Table, ...]:
     return tuple(found)
 
 
-def _share_frame(context: Context, compared, corrected, paper: Published | None):
+def _share_frame(context: Context, one: Compared, paper: Published | None):
     import pandas
 
-    lines = []
-    for one, p_holm in zip(compared, corrected, strict=True):
-        found = one.result
-        won = {FIRST: FIRST, NEITHER: NEITHER, SECOND: SECOND}
-        names = {FIRST: one.conditions[0], NEITHER: NONE, SECOND: one.conditions[1]}
-        for code, share in enumerate(found.shares):
-            lines.append(
-                {
-                    "answers": context.source(), "question": one.question.name, "first": one.conditions[0],
-                    "second": one.conditions[1], "answer": names[code], "count": share.count, "share": share.value,
-                    "low": share.exact.low, "high": share.exact.high, "participants_low": share.clustered.low,
-                    "participants_high": share.clustered.high, "sentences": found.majority.won(won[code]),
-                    "p": found.p, "p_holm": p_holm, "p_participants": found.p_participants,
-                    "p_sentences": found.majority.p,
-                }
-            )  # fmt: skip
-    frame = pandas.DataFrame(lines)
+    found = one.result
+    names = {FIRST: one.conditions[0], NEITHER: NONE, SECOND: one.conditions[1]}
+    lines = [
+        {
+            "answers": context.source(), "answer": names[code], "count": share.count, "share": share.value,
+            "low": share.exact.low, "high": share.exact.high, "participants_low": share.clustered.low,
+            "participants_high": share.clustered.high, "sentences": found.majority.won(code), "p": found.p,
+            "p_participants": found.p_participants, "p_sentences": found.majority.p,
+        }
+        for code, share in enumerate(found.shares)
+    ]  # fmt: skip
     printed = [
         {"answers": "published", "answer": name, "share": share}
         for name, share in (paper.preference if paper else {}).items()
     ]
-    return pandas.concat([frame, pandas.DataFrame(printed)], ignore_index=True) if printed else frame
+    # Counts of published shares are empty, and the others stay whole numbers.
+    return pandas.DataFrame([*lines, *printed]).astype({"count": "Int64", "sentences": "Int64"})
 
 
-def _sentence_frame(context: Context, compared):
+def _sentence_frame(context: Context, one: Compared):
     import pandas
 
+    won, names = one.result.majority, {FIRST: one.conditions[0], NEITHER: "tie", SECOND: one.conditions[1]}
     return pandas.DataFrame(
         [
-            (context.source(), one.question.name, *one.conditions, name, *map(int, counts),
-             {FIRST: one.conditions[0], NEITHER: "tie", SECOND: one.conditions[1]}[int(side)])
-            for one in compared
-            for won in (one.result.majority,)
+            (context.source(), name, *map(int, counts), names[int(side)])
             for name, counts, side in zip(won.items, won.counts, won.winners, strict=True)
         ],
-        columns=["answers", "question", "first", "second", "utterance", "count_first", "count_none", "count_second",
-                 "majority"],
-    )  # fmt: skip
+        columns=["answers", "utterance", "count_first", "count_none", "count_second", "majority"],
+    )
 
 
-def preference_drawings(
-    context: Context, compared: tuple[Compared, ...], paper: Published | None
-) -> tuple[Drawing, ...]:
-    """The figure of the shares (Fan et al. 2015, Fig. 4) and that of the sentences, of each comparison."""
-    found = []
-    for number, one in enumerate(compared, 1):
-        heading, suffix = _heading(context, one), f"_{number}" if len(compared) > 1 else ""
-        bars = [_share_bar(context, one), *_published_bars(paper)]
-        png = share_bars(bars, SHARE_COLOURS, f"Preference of viewers, {heading}", context.simulated)
-        published = "; hatched: as published" if len(bars) > 1 else ""
-        caption = f"Shares of the answers of {one.result.participants} viewers, {heading}{published}"
-        found.append(Drawing(f"preference{suffix}", Picture(png, context.titled(caption))))
-        png = share_bars(_sentence_bars(one), SHARE_COLOURS, f"Viewers by sentence, {heading}", context.simulated)
-        first, second = map(context.title_of, one.conditions)
-        caption = f"Numbers of viewers who preferred {first} (blue) and {second} (orange), by sentence; grey: neither"
-        found.append(Drawing(f"sentences{suffix}", Picture(png, context.titled(caption))))
-    return tuple(found)
+def preference_drawings(context: Context, one: Compared, paper: Published | None) -> tuple[Drawing, ...]:
+    """The figure of the shares (Fan et al. 2015, Fig. 4), and that of the sentences."""
+    heading, (first, second) = _heading(context, one), map(context.title_of, one.conditions)
+    bars = [_share_bar(context, one), *_published_bars(paper)]
+    published = "; hatched: as published" if len(bars) > 1 else ""
+    shares = share_bars(bars, SHARE_COLOURS, f"Preference of viewers, {heading}", context.simulated)
+    sentences = share_bars(_sentence_bars(one), SHARE_COLOURS, f"Viewers by sentence, {heading}", context.simulated)
+    captions = (
+        f"Shares of the answers of {one.result.participants} viewers, {heading}{published}",
+        f"Numbers of viewers who preferred {first} (blue) and {second} (orange), by sentence; grey: neither",
+    )
+    return tuple(
+        Drawing(name, Picture(png, context.titled(caption)))
+        for name, png, caption in zip(("preference", "sentences"), (shares, sentences), captions, strict=True)
+    )
 
 
 def _share_bar(context: Context, one: Compared) -> Bar:

@@ -13,7 +13,7 @@ from visualspeech.study.figures import Rating, rating_bars
 from visualspeech.study.layouts import ITEM
 from visualspeech.study.participants_statistics import Interval, smallest_p
 from visualspeech.study.rating_statistics import Alpha, Omnibus, Pair, Rated, Ratings, cronbach_alpha, evaluate_ratings
-from visualspeech.study.records import Question
+from visualspeech.study.records import REMEDY, Question
 
 
 @dataclass(frozen=True)
@@ -46,10 +46,7 @@ def judge_conditions(context: Context) -> tuple[Judged, ...]:
     for item in items:
         name, *others = context.key.stimuli[item.stimuli[0]].conditions
         if others or name not in conditions:
-            raise DataError(
-                f"key.json: the item {item.id} of the study {context.study.name} does not show one of its conditions. "
-                "Make the study again, or copy the whole folder again."
-            )
+            raise DataError(f"key.json: the item {item.id} does not show one of the conditions. {REMEDY}")
         shown.append(conditions.index(name))
     people = list(dict.fromkeys(code for code, _ in context.screening.answers))
     rows = {code: number for number, code in enumerate(people)}

@@ -11,9 +11,7 @@ import pytest
 
 from tests.unit.evaluation.nesting import check_nesting
 from tests.unit.study.folders import (
-    FIRST,
     FIVE,
-    SECOND,
     preference_study,
     preferring,
     rating,
@@ -21,10 +19,10 @@ from tests.unit.study.folders import (
     write_answers,
 )
 from visualspeech.cli import main
-from visualspeech.errors import SettingError
+from visualspeech.errors import DataError, SettingError
 from visualspeech.study.evaluation import evaluate, evaluation_files, summary, write_evaluation
 from visualspeech.study.evaluation_settings import EvaluationSettings
-from visualspeech.study.records import ANSWERS, KEY, SIMULATED_ANSWERS, STUDY, Condition, write_key
+from visualspeech.study.records import ANSWERS, KEY, SIMULATED_ANSWERS, STUDY, Condition, Stimulus, write_key
 
 FAST = EvaluationSettings(samples=200, permutations=200)
 
@@ -124,25 +122,23 @@ def test_a_forced_choice_has_no_neutral_column_and_says_ties(tmp_path):
     assert [row.cells[-1].text for row in found.parts[1].tables[0].rows] == ["tie", *["deep BLSTM"] * 3]
 
 
-def test_several_pairs_are_corrected(tmp_path):
-    """Two comparisons in one folder, as two halves of the items."""
+def test_a_key_that_compares_something_else_is_refused(tmp_path):
     third = Condition("mean", "training mean", "fan2015", "training_mean")
-    study, key = preference_study(tmp_path, sentences=8, attention=0, conditions=(FIRST, SECOND, third))
-    stimuli = {
-        name: type(one)(one.item, one.utterance, tuple("mean" if c == "hmm" else c for c in one.conditions))
-        if one.item in ("i0", "i1", "i2", "i3") else one
-        for name, one in key.stimuli.items()
-    }  # fmt: skip
-    key = replace(key, stimuli=stimuli)
-    write_key(tmp_path, key)
-    rows = answers(*[("left" if number % 2 == 0 else "right", 0) for number in range(8)])
-    write_answers(tmp_path, study, {"A": rows, "B": rows})
-    found = frame(evaluate(tmp_path, settings=FAST), "preference").query("answers == 'people'")
-    assert set(zip(found["first"], found["second"], strict=True)) == {("blstm", "hmm"), ("blstm", "mean")}
-    assert (found["p"] == 2 / 2**8).all() and (found["p_holm"] == 4 / 2**8).all()
-    assert [one.name for one in evaluate(tmp_path, settings=FAST).drawings] == [
-        "preference_1", "sentences_1", "preference_2", "sentences_2",
-    ]  # fmt: skip
+    study, key = preference_study(tmp_path, sentences=2, attention=0)
+    write_answers(tmp_path, study, preferring(study, key, 2))
+    write_key(tmp_path, replace(key, conditions=(*key.conditions, third)))
+    with pytest.raises(DataError, match="compares two conditions, not 3. Make the study again"):
+        evaluate(tmp_path, settings=FAST)
+    odd = {**key.stimuli, "v1a.mp4": Stimulus("i1", "s01", ("blstm", "mean"))}
+    write_key(tmp_path, replace(key, stimuli=odd))
+    with pytest.raises(DataError, match="the item i1 does not compare blstm and hmm"):
+        evaluate(tmp_path, settings=FAST)
+    study, key = rating_study(tmp_path / "rating", turns=1, conditions=FIVE[:2])
+    write_answers(tmp_path / "rating", study, rating(study, key, 2, means=(5, 5)))
+    odd = {**key.stimuli, "v0joint1.mp4": Stimulus("i0joint1", "t00", ("joint9",))}
+    write_key(tmp_path / "rating", replace(key, stimuli=odd))
+    with pytest.raises(DataError, match="the item i0joint1 does not show one of the conditions"):
+        evaluate(tmp_path / "rating", settings=FAST)
 
 
 def test_ratings_belong_to_their_conditions(tmp_path):
