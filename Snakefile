@@ -15,6 +15,7 @@ configfile: str(Path(workflow.basedir, "config", "config.yaml"))
 
 
 include: "workflow/inputs/plan.smk"
+include: "workflow/inputs/studies.smk"
 
 
 # Where results lie; every path in the rules begins with one of these. A wildcard inside a path variable is constrained here.
@@ -28,6 +29,7 @@ pathvars:
     aam_system=f"<corpus>/{{system,{one_of(systems_of_kind('aam'))}}}",
     marker_system=f"<corpus>/{{system,{one_of(systems_of_kind('markers'))}}}",
     model="<system>/models/{model}",
+    study=f"<results>/{{corpus,{NOT_ANSWERED}{one_of(PLAN.corpora)}}}/studies/{{study,{one_of(SETTINGS['studies'])}}}",
 
 
 wildcard_constraints:
@@ -58,6 +60,7 @@ include: "workflow/rules/visemes.smk"
 include: "workflow/rules/videos.smk"
 include: "workflow/rules/marker_videos.smk"
 include: "workflow/rules/preference.smk"
+include: "workflow/rules/studies.smk"
 include: "workflow/rules/speak.smk"
 include: "workflow/rules/report.smk"
 
@@ -85,6 +88,7 @@ localrules:
     speaker,
     speak,
     viseme_numbers,
+    study,
     report,
 
 
@@ -175,6 +179,11 @@ rule viseme_numbers:
 rule preference:
     input:
         for_pictured("<system>/preference/videos"),
+
+
+rule study:
+    input:
+        study_files,
 
 
 rule tally:

@@ -314,6 +314,18 @@ def _plain(path: Path, schema: Mapping):
     return plain
 
 
+def is_answered(folder: str | Path) -> bool:
+    """Whether people have taken part in the study of a folder; also where their answers cannot be read."""
+    path = Path(folder, ANSWERS)
+    if not path.is_file():
+        return False
+    try:
+        with closing(_opened(path)) as database:
+            return bool(database.execute("SELECT count(*) FROM participants").fetchone()[0])
+    except sqlite3.Error:
+        return True
+
+
 def read_participants(folder: str | Path, simulated: bool = False) -> tuple[Participant, ...]:
     """All participants, in the order in which they started; none where nobody did. Raises as :func:`read_answers`."""
     columns = "id, code, simulated, started, consented, coalesce(sound_checked, ''), coalesce(finished, '')"

@@ -199,7 +199,7 @@ class Page(HTMLParser):
         if tag == "body":
             self.kind, self.item = given.get("data-page", ""), given.get("data-item", "")
             self.code = given.get("data-code", "")
-        elif tag == "progress":
+        elif tag == "progress" and "id" not in given:  # not that of the video
             self.done, self.total = int(given["value"]), int(given["max"])
         elif tag == "video":
             self.stimulus = given["src"].rpartition("/")[2]

@@ -36,9 +36,10 @@
     form.hidden = false;
     find("hint").hidden = true;
   };
+  // No controls lie over the video: they would cover the mouths.
+  const label = () => { play.textContent = !video.paused && !video.ended ? "Pause" : video.ended || state.played ? "Play again" : "Play"; };
   const ended = () => {
-    play.textContent = "Play again";
-    play.hidden = false;
+    label();
     if (state.played) return;
     if (covered() < video.duration - 0.3) {
       say("A part of the video was skipped. Please play it from the beginning to the end.");
@@ -51,14 +52,18 @@
     form.querySelector("input").focus({ preventScroll: true });
     form.scrollIntoView({ block: "nearest", behavior: "smooth" });
   };
-  play.addEventListener("click", () => {
+  const toggle = () => {
     if (video.error) video.load();
-    video.currentTime = 0;
+    if (!video.paused && !video.ended) { video.pause(); return; }
+    if (video.ended) video.currentTime = 0;
     video.play().catch(() => say("The video could not be played. Please try again."));
-  });
-  video.addEventListener("playing", () => { play.hidden = true; if (!video.muted && video.volume > 0) say(""); });
-  video.addEventListener("pause", () => { play.hidden = false; });
+  };
+  play.addEventListener("click", toggle);
+  video.addEventListener("click", toggle);
+  video.addEventListener("playing", () => { label(); if (!video.muted && video.volume > 0) say(""); });
+  video.addEventListener("pause", label);
   video.addEventListener("ended", ended);
+  video.addEventListener("timeupdate", () => { find("played").value = video.currentTime / (video.duration || 1); });
   video.addEventListener("ratechange", () => { if (video.playbackRate !== 1) video.playbackRate = 1; });
   const audible = () => {
     if ((video.muted || video.volume === 0) && !state.played) {
@@ -69,7 +74,7 @@
   video.addEventListener("volumechange", audible);
   video.addEventListener("play", audible);
   const broken = () => {
-    play.hidden = false;
+    label();
     say("The video could not be loaded. Please check the connection and press Play; if it stays away, tell the person who runs the study.");
   };
   video.addEventListener("error", broken);
@@ -86,6 +91,7 @@
     for (const input of one.querySelectorAll("input")) input.checked = value !== undefined && value !== null && input.value === String(value);
   }
   if (state.played) reveal();
+  label();
 
   const wait = (milliseconds) => new Promise((resolve) => {
     const timer = setTimeout(resolve, milliseconds);

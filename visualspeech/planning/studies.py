@@ -1,0 +1,105 @@
+"""The viewing tests of a run: their files, and the rows of systems that they compare."""
+
+from collections.abc import Mapping
+from pathlib import Path
+
+from visualspeech.errors import SettingError
+from visualspeech.evaluation.published_results import published_names
+from visualspeech.fields import FieldError
+from visualspeech.models.rows import ModelRow
+from visualspeech.planning.systems import by_name, extended, listed
+from visualspeech.planning.tables import rows_of_entries
+from visualspeech.schema import unknown
+from visualspeech.study.settings import RECORDED, StudySettings, check_conditions
+
+#: Keys of a study that are no settings of :class:`StudySettings`.
+OWN = ("name", "published", "system", "conditions")
+
+
+def read_studies(given, override: Mapping, folder: Path) -> dict[str, dict]:
+    """The studies that a run selects, by name, before their schema is checked.
+
+    Raises
+    ------
+    SettingError
+        As :func:`visualspeech.planning.systems.extended`, or two have one name.
+    """
+    named = listed(given, "studies")
+    entries = [(where, extended(one, "studies", folder / "studies", override, where)) for where, one in named]
+    return by_name(entries, "studies")
+
+
+def complete_study(study: Mapping, systems: Mapping[str, Mapping], codings: Mapping[str, Mapping]) -> dict | None:
+    """A study whose conditions are rows of systems; None where a system that it compares is not selected.
+
+    Parameters
+    ----------
+    study : with its defaults
+    systems, codings : resolved
+
+    Returns
+    -------
+    ``name``, ``published``, ``settings`` (of :class:`StudySettings`) and ``conditions``: for each its ``name``,
+    ``title``, ``system``, ``model`` and ``coding``; the last two are empty for the recorded face.
+
+    Raises
+    ------
+    SettingError
+        A condition names no model, or what is compared does not go together.
+    """
+    where = f"studies.{study['name']}"
+    if study["published"] and study["published"] not in published_names():
+        raise SettingError(unknown(f"{where}.published", study["published"], published_names()))
+    try:
+        settings = StudySettings(**{key: value for key, value in study.items() if key not in OWN})
+    except FieldError as error:
+        raise error.at(StudySettings.section, where) from None
+    entries = [{"system": "", "model": one} if isinstance(one, str) else one for one in study["conditions"]]
+    entries = [{"model": "", "title": "", **one, "system": one.get("system") or study["system"]} for one in entries]
+    named = list(dict.fromkeys([study["system"], *(one["system"] for one in entries if one["model"] != RECORDED)]))
+    if any(name not in systems for name in named):
+        return None
+    conditions = [_condition(one, systems, f"{where}.conditions.{number}") for number, one in enumerate(entries)]
+    check_conditions(settings.kind, [(one["system"], one["model"]) for one in conditions], where)
+    kinds = {codings[systems[name]["coding"]]["kind"] for name in named}
+    if len(kinds) > 1:
+        raise SettingError(
+            f"`{where}.conditions`: {', '.join(named)} show talking heads and drawn points, which viewers could not "
+            "compare; name models of systems of one kind."
+        )
+    return {
+        "name": study["name"],
+        "published": study["published"],
+        "system": study["system"],
+        "settings": {key: value for key, value in study.items() if key not in OWN},
+        "conditions": _with_names(conditions),
+    }
+
+
+def _condition(entry: Mapping, systems: Mapping[str, Mapping], where: str) -> dict:
+    system = entry["system"]
+    if entry["model"] == RECORDED:
+        return {"title": entry["title"] or "recorded", "system": system, "model": "", "coding": ""}
+    rows = [ModelRow.of(row) for row in systems[system]["rows"]]
+    found = rows_of_entries([entry["model"]], rows)
+    if len(found) != 1:
+        known = [row.name for row in rows]
+        if not found:
+            raise SettingError(unknown(where, entry["model"], [RECORDED, *known], f"model of {system}"))
+        raise SettingError(f"`{where}: {entry['model']}` is {len(found)} models; name one: {', '.join(found)}.")
+    title = next(row.title for row in rows if row.name == found[0])
+    return {
+        "title": entry["title"] or title,
+        "system": system,
+        "model": found[0],
+        "coding": systems[system]["coding"],
+    }
+
+
+def _with_names(conditions: list[dict]) -> list[dict]:
+    """Conditions named by their model, or by system and model where two systems have one of that name."""
+    models = [one["model"] or RECORDED for one in conditions]
+    return [
+        {**one, "name": model if models.count(model) == 1 else f"{one['system']}-{model}"}
+        for one, model in zip(conditions, models, strict=True)
+    ]
