@@ -16,6 +16,7 @@ configfile: str(Path(workflow.basedir, "config", "config.yaml"))
 
 include: "workflow/inputs/plan.smk"
 include: "workflow/inputs/studies.smk"
+include: "workflow/inputs/evaluations.smk"
 
 
 # Where results lie; every path in the rules begins with one of these. A wildcard inside a path variable is constrained here.
@@ -29,6 +30,7 @@ pathvars:
     aam_system=f"<corpus>/{{system,{one_of(systems_of_kind('aam'))}}}",
     marker_system=f"<corpus>/{{system,{one_of(systems_of_kind('markers'))}}}",
     model="<system>/models/{model}",
+    evaluation=f"<corpus>/evaluations/{{evaluated,{one_of(one.name for one in PLAN.evaluated)}}}",
     study=f"<results>/{{corpus,{NOT_ANSWERED}{one_of(PLAN.corpora)}}}/studies/{{study,{one_of(SETTINGS['studies'])}}}",
 
 
@@ -61,6 +63,7 @@ include: "workflow/rules/videos.smk"
 include: "workflow/rules/marker_videos.smk"
 include: "workflow/rules/preference.smk"
 include: "workflow/rules/studies.smk"
+include: "workflow/rules/evaluations.smk"
 include: "workflow/rules/speak.smk"
 include: "workflow/rules/report.smk"
 
@@ -89,6 +92,7 @@ localrules:
     speak,
     viseme_numbers,
     study,
+    study_evaluation,
     report,
 
 
@@ -184,6 +188,11 @@ rule preference:
 rule study:
     input:
         study_files,
+
+
+rule study_evaluation:
+    input:
+        evaluated_folders,
 
 
 rule tally:

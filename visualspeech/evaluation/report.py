@@ -98,6 +98,24 @@ class SystemSection:
 
 
 @dataclass(frozen=True)
+class StudySection:
+    """What the report shows of an evaluated viewing test.
+
+    Parameters
+    ----------
+    title : which says so where the answers are simulated
+    page : path of the page of its evaluation, relative to the report
+    tables : as HTML, from :func:`visualspeech.evaluation.forms.to_html`
+    figures : pictures
+    """
+
+    title: str
+    page: str
+    tables: tuple[str, ...]
+    figures: tuple[Picture, ...]
+
+
+@dataclass(frozen=True)
 class ReportContent:
     """The content of the report of a corpus; sections of empty fields are left out or say that they are empty.
 
@@ -107,6 +125,7 @@ class ReportContent:
     split_hash : from :func:`visualspeech.provenance.split_hash`
     systems : one section per system
     tables : comparisons across systems as HTML
+    studies : one section per evaluated viewing test
     consent : whose face the corpus shows and by what permission, from its settings; if empty, the report warns
     utterances : name of a split -> number of accepted utterances
     findings : rejections and warnings of all stages
@@ -121,6 +140,7 @@ class ReportContent:
     split_hash: str
     systems: tuple[SystemSection, ...] = ()
     tables: tuple[str, ...] = ()
+    studies: tuple[StudySection, ...] = ()
     consent: str = ""
     utterances: Mapping[str, int] = field(default_factory=dict)
     findings: tuple[Finding, ...] = ()

@@ -13,6 +13,7 @@ from visualspeech.errors import SettingError
 from visualspeech.planning.blocks import speaking_mistakes
 from visualspeech.planning.codings import coding_schema, complete_coding, kind_mistakes, no_picture, with_needs
 from visualspeech.planning.corpora import CorpusPlan, plan_corpus
+from visualspeech.planning.evaluations import EvaluatedStudy, evaluated_studies
 from visualspeech.planning.paths import path_mistakes
 from visualspeech.planning.studies import complete_study, read_studies
 from visualspeech.planning.systems import (
@@ -29,8 +30,8 @@ from visualspeech.schema import fill_defaults, load_schema, mistakes, unknown
 from visualspeech.settings import plain_data
 
 #: Folders beside the systems' in a corpus's results; no system may have such a name.
-RESERVED = ("alignment", "audio", "benchmarks", "check", "codings", "corpus", "heads", "landmarks", "logs", "motion",
-            "pose", "recordings", "studies", "tables", "truth")  # fmt: skip
+RESERVED = ("alignment", "audio", "benchmarks", "check", "codings", "corpus", "evaluations", "heads", "landmarks",
+            "logs", "motion", "pose", "recordings", "studies", "tables", "truth")  # fmt: skip
 #: Keys that name files; what these say is checked with the files' own schemas.
 SELECTING = ("corpora", "systems", "studies", "override")
 KINDS = {"corpora": "corpus", "codings": "coding", "systems": "system", "studies": "study"}
@@ -190,12 +191,14 @@ class Plan:
     corpora : name -> plan of the corpus
     pairs : (corpus, system) that are run
     skipped : a sentence for each pair that is not
+    evaluated : answered viewing tests whose evaluation the report shows
     """
 
     settings: Mapping
     corpora: Mapping[str, CorpusPlan]
     pairs: tuple[tuple[str, str], ...]
     skipped: tuple[str, ...]
+    evaluated: tuple[EvaluatedStudy, ...] = ()
 
     def systems(self, corpus: str) -> list[str]:
         """Names of the systems that run on a corpus."""
@@ -222,7 +225,8 @@ def plan_run(config: Mapping, folder: Path) -> Plan:
     Raises
     ------
     SettingError, CorpusError
-        As :func:`resolve` and :func:`plan_corpus`; or no selected system can run on a selected corpus.
+        As :func:`resolve`, :func:`plan_corpus` and :func:`evaluated_studies`; or no selected system can run on a
+        selected corpus.
     """
     settings = resolve(config, folder)
     corpora = {
@@ -242,4 +246,5 @@ def plan_run(config: Mapping, folder: Path) -> Plan:
         )
     used = {corpus for corpus, _ in pairs}
     corpora = {name: corpus for name, corpus in corpora.items() if name in used}
-    return Plan(settings, corpora, tuple(pairs), tuple(skipped))
+    evaluated = evaluated_studies(settings["study_evaluation"], corpora)
+    return Plan(settings, corpora, tuple(pairs), tuple(skipped), evaluated)

@@ -8,7 +8,9 @@ from pathlib import Path
 from visualspeech.errors import DataError, SettingError
 from visualspeech.evaluation.forms import PAGE_STYLE, all_forms, to_html
 from visualspeech.evaluation.published_results import published
+from visualspeech.evaluation.study_section import COLUMNS, CONTENTS
 from visualspeech.storage.files import replacing
+from visualspeech.storage.tables import table_text
 from visualspeech.study.evaluation_settings import EvaluationSettings
 from visualspeech.study.evaluation_tables import Context, Drawing, Part, participants_part
 from visualspeech.study.exclusion import Screening, screen
@@ -172,7 +174,18 @@ def evaluation_files(evaluation: Evaluation) -> dict[str, bytes]:
     for one in evaluation.drawings:
         files[f"{one.name}.png"] = one.picture.png
     files[PAGE] = _page(evaluation).encode("utf-8")
+    files[CONTENTS] = _contents(evaluation).encode("utf-8")
     return files
+
+
+def _contents(evaluation: Evaluation) -> str:
+    """What the report shows, and in which order."""
+    import pandas
+
+    rows = [("title", "", evaluation.title), ("page", PAGE, "")]
+    rows += [("figure", f"{one.name}.png", one.picture.caption) for one in evaluation.drawings]
+    rows += [("table", f"{part.name}.html", part.title) for part in evaluation.parts]
+    return table_text(pandas.DataFrame(rows, columns=list(COLUMNS)))
 
 
 def _page(evaluation: Evaluation) -> str:

@@ -7,6 +7,7 @@ rule write_report:
         faces=recorded_faces,
         tables=["<corpus>/tables/systems.html"],
         files=reported_files,
+        evaluations=evaluations_of,
         benchmarks=benchmarks_of,
     output:
         "<corpus>/report.html",
