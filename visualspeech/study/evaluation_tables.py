@@ -90,7 +90,7 @@ def p_text(p: float) -> str:
     """A p value as text; empty for NaN."""
     if p != p:
         return ""
-    return "< 0.0001" if p < 1e-4 else f"{p:.4f}"
+    return "<\u00a00.0001" if p < 1e-4 else f"{p:.4f}"
 
 
 def p_phrase(p: float) -> str:

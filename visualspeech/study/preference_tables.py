@@ -14,6 +14,7 @@ from visualspeech.study.evaluation_tables import (
     Drawing,
     Part,
     p_phrase,
+    p_text,
     participants_note,
     percent,
     percent_interval,
@@ -101,7 +102,11 @@ def preference_parts(context: Context, compared: Compared, paper: Published | No
             "preference",
             context.titled("preference test"),
             _share_frame(context, compared, paper),
-            (context.marked(_share_table(context, compared)), *published_tables(paper)),
+            (
+                context.marked(_share_table(context, compared)),
+                context.marked(_test_table(context, compared)),
+                *published_tables(paper),
+            ),
         ),
         Part(
             "sentences",
@@ -126,60 +131,74 @@ def _columns(context: Context, one: Compared) -> tuple[tuple[str, ...], tuple[in
 
 def _share_table(context: Context, one: Compared) -> Table:
     names, codes = _columns(context, one)
-    shares = [one.result.shares[code] for code in codes]
-    level, settings, found = context.level(), context.settings, one.result
-    first = context.title_of(one.conditions[0])
-    notes = [
-        f"Exact intervals are Clopper-Pearson intervals of {level}; they, and the exact binomial test, take all "
-        "answers as independent, although each participant gave several.",
-        f"Intervals over participants are percentile bootstrap intervals of {level} with {settings.samples} samples of "
-        "participants. The sign-flip test exchanges the two conditions for whole participants.",
-        "Tests are two-sided. "
-        + (
-            f"Answers for “{NO_DIFFERENCE}” are part of the shares and left out of the tests. "
-            if len(codes) == 3
-            else ""
-        )
-        + "A sentence goes to the condition that more viewers chose than the other one; equal numbers are a tie, which "
-        "the test of the sentences leaves out.",
-        *participants_note(found.participants),
-    ]
-    if found.participants > 1 and smallest_p(found.participants, settings) > 0.05:
-        notes.append(
-            f"With {found.participants} participants the sign-flip test cannot fall below "
-            f"p = {smallest_p(found.participants, settings):.4f}."
-        )
-    decided = (
-        f"{percent(found.decided.value)} {percent_interval(found.decided.exact)}" if found.decided.total else "none"
-    )
-    facts = (
-        *context.facts(),
-        ("sentences", str(len(found.majority.items))),
-        (f"{first} among the {found.decided.total} answers for one of the two", decided),
-        ("exact binomial test", p_phrase(found.p)),
-        (
-            "sign-flip test over participants",
-            p_phrase(found.p_participants) if found.participants > 1 else "not defined",
-        ),
-        ("majority of viewers", _majority_text(context, one)),
-        ("answers for the left video", _left_text(context, one)),
-    )
+    shares, level, settings = [one.result.shares[code] for code in codes], context.level(), context.settings
     rows = (
         Row("share of answers", tuple(Cell(percent(share.value), percent_interval(share.exact)) for share in shares)),
         Row("interval over participants", tuple(Cell(percent_interval(share.clustered)) for share in shares)),
         Row("answers", tuple(Cell(str(share.count)) for share in shares)),
     )
-    return Table(_heading(context, one), names, rows, facts=facts, notes=tuple(notes))
+    notes = (
+        f"Intervals below the shares are Clopper-Pearson intervals of {level}, which take all answers as independent, "
+        "although each participant gave several. Intervals over participants are percentile bootstrap intervals of "
+        f"{level} with {settings.samples} samples of participants.",
+        *participants_note(one.result.participants),
+    )
+    facts = (
+        *context.facts(),
+        ("sentences", str(len(one.result.majority.items))),
+        ("answers for the left video", _left_text(context, one)),
+    )
+    return Table(_heading(context, one), names, rows, facts=facts, notes=notes)
+
+
+def _test_table(context: Context, one: Compared) -> Table:
+    """The tests of the preference over answers, participants and sentences."""
+    first, found, level = context.title_of(one.conditions[0]), one.result, context.settings.level
+    won, total = found.majority.won(FIRST), len(found.majority.items) - found.majority.won(NEITHER)
+    of_sentences = percent_interval(exact_interval(won, total, level)) if total else ""
+    decided = percent_interval(found.decided.exact) if found.decided.total else ""
+    alone = found.participants < 2
+    rows = (
+        Row(
+            "answers: exact binomial test",
+            _tested(found.decided.count, found.decided.total, decided, found.p),
+        ),
+        Row(
+            "participants: sign-flip test",
+            (Cell(""), Cell(str(found.participants)), Cell(""), Cell("" if alone else p_text(found.p_participants))),
+        ),
+        Row("sentences by majority: exact binomial test", _tested(won, total, of_sentences, found.majority.p)),
+    )
+    neither = "" if context.study.forced else f"Answers for “{NO_DIFFERENCE}” are left out of the binomial tests. "
+    notes = [
+        f"Two-sided tests of no preference, with Clopper-Pearson intervals. {neither}The binomial test of the answers "
+        "takes all of them as independent. The sign-flip test exchanges the two conditions for whole participants, by "
+        "the difference of both shares of a participant's answers.",
+        f"A sentence goes to the condition that more viewers chose than the other one; {_ties(one)}, which its test "
+        "leaves out.",
+    ]
+    least = smallest_p(found.participants, context.settings)
+    if not alone and least > 0.05:
+        notes.append(
+            f"With {found.participants} participants the p value of the sign-flip test is at least {least:.2g}."
+        )
+    return Table(f"Tests of {_heading(context, one)}", (f"for {first}", "of", "share", "p"), rows, notes=tuple(notes))
+
+
+def _tested(count: int, total: int, within: str, p: float) -> tuple[Cell, ...]:
+    share = percent(count / total) if total else ""
+    return Cell(str(count)), Cell(str(total)), Cell(share, within), Cell(p_text(p) if total else "")
+
+
+def _ties(one: Compared) -> str:
+    ties = one.result.majority.won(NEITHER)
+    return f"{ties} are ties" if ties > 1 else "one is a tie" if ties else "none is a tie"
 
 
 def _majority_text(context: Context, one: Compared) -> str:
     first, second = map(context.title_of, one.conditions)
     won = one.result.majority
-    ties = won.won(NEITHER)
-    return (
-        f"{first} in {won.won(FIRST)} of {len(won.items)} sentences, {second} in {won.won(SECOND)}, "
-        f"{ties} {'tie' if ties == 1 else 'ties'}; exact binomial test of the sentences {p_phrase(won.p)}"
-    )
+    return f"{first} {won.won(FIRST)}, {second} {won.won(SECOND)}; {_ties(one)} ({len(won.items)} sentences)"
 
 
 def _left_text(context: Context, one: Compared) -> str:
