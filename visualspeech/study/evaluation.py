@@ -70,7 +70,12 @@ def evaluate(folder: str | Path, simulated: bool = False, settings: EvaluationSe
     study, key = read_study(folder), read_key(folder)
     path = Path(folder, SIMULATED_ANSWERS if simulated else ANSWERS)
     # In this order: whoever answers first while a server runs is then among the participants.
-    answers = read_answers(folder, simulated)
+    try:
+        answers = read_answers(folder, simulated)
+    except (TypeError, ValueError) as error:
+        raise DataError(
+            f"{path} holds a rating that is no number. The file was edited: restore it from a copy, or move it away."
+        ) from error
     participants = read_participants(folder, simulated)
     if not answers:
         raise DataError(_no_answers(folder, path, simulated, len(participants)))

@@ -351,19 +351,9 @@ def read_answers(folder: str | Path, simulated: bool = False) -> tuple[Answer, .
     columns = "participant, item, question, value, position, mirrored, played_to_end, stored_at"
     rows = _rows(folder, simulated, f"SELECT {columns} FROM answers ORDER BY participant, position, question")
     return tuple(
-        Answer(
-            number, item, question, _number(value) if question in numeric else value, position, mirrored, bool(end), at
-        )
+        Answer(number, item, question, int(value) if question in numeric else value, position, mirrored, bool(end), at)
         for number, item, question, value, position, mirrored, end, at in rows
     )
-
-
-def _number(value):
-    """A stored rating as a number; another text stays as it is, for the reader to refuse."""
-    try:
-        return int(value)
-    except (TypeError, ValueError):
-        return value
 
 
 def _rows(folder: str | Path, simulated: bool, query: str) -> list[tuple]:

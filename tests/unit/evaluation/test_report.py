@@ -16,6 +16,7 @@ from visualspeech.evaluation.report import (
     MAX_FINDINGS,
     Picture,
     ReportContent,
+    StudySection,
     SystemSection,
     Video,
     render_report,
@@ -112,6 +113,17 @@ def test_systems_stand_side_by_side():
             assert f"<h3>{part}</h3>" in section
     bare = render_report(content(systems=(SystemSection("bare", "Bare"),), tables=()))
     assert "<h3>Videos</h3>" not in bare and "No result table was made" in bare and 'id="across"' not in bare
+
+
+def test_viewing_tests_have_a_section_of_their_own():
+    picture = Picture(plots.mode_pictures(np.zeros((1, 1, 4, 4, 3), np.uint8)), "<b>")
+    study = StudySection("Viewing test <b>", "evaluations/<b>/evaluation.html", ("<p>table</p>",), (picture,))
+    text = render_report(content(studies=(study,)))
+    section = text[text.index('<section id="studies">') :].split("</section>")[0]
+    assert "Viewing test &lt;b&gt;" in section and "<p>table</p>" in section and 'alt="&lt;b&gt;"' in section
+    assert 'href="evaluations/%3Cb%3E/evaluation.html"' in section and 'href="#studies"' in text
+    assert "studies" not in render_report(content()).split("</style>")[1]
+    assert Page(text).open == []
 
 
 def test_commit_date_and_command_are_named_where_known():

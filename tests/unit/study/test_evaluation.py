@@ -344,7 +344,7 @@ def test_ratings_that_are_no_numbers(ratings, capsys):
     damage(ratings, "UPDATE answers SET value = 'good' WHERE rowid = 3")
     assert main(["study", "evaluate", str(ratings)]) == 1
     said = capsys.readouterr().err
-    assert "the answer 'good' to the question" in said and said.count("\n") == 1
+    assert "answers.sqlite holds a rating that is no number." in said and said.count("\n") == 1
 
 
 @pytest.mark.parametrize("options", [["--max-failed-attention", "-1"], ["-o", "FOLDER"]])
