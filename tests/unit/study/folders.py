@@ -30,9 +30,11 @@ FIVE = tuple(
 )  # fmt: skip
 
 
-def preference_study(folder: Path, sentences=10, attention=1, forced=False, published="fan2015", conditions=None):
+def preference_study(
+    folder: Path, sentences=10, attention=1, forced=False, published="fan2015", conditions=None, corpus="demo"
+):
     """A preference study; its second condition is on the left of the first stimulus of every other item."""
-    conditions = conditions or (FIRST, SECOND)
+    conditions = (FIRST, SECOND)
     choices = (LEFT, RIGHT) if forced else (LEFT, NONE, RIGHT)
     items, stimuli, expected = [Item("p0", PRACTICE, ("vp0a.mp4", "vp0b.mp4"), 2.0)], {}, {}
     pair = (conditions[0].name, conditions[1].name)
@@ -52,7 +54,7 @@ def preference_study(folder: Path, sentences=10, attention=1, forced=False, publ
     study = Study(
         "fan2015", PREFERENCE, "Which?", "", "", (Question("preference", "Which is better?", choices),), tuple(items)
     )
-    return _written(folder, study, conditions, stimuli, expected, published)
+    return _written(folder, study, conditions, stimuli, expected, published, corpus)
 
 
 def rating_study(folder: Path, turns=10, attention=0, published="sadoughi2017", conditions=FIVE, scale=(1, 10)):
@@ -75,10 +77,10 @@ def rating_study(folder: Path, turns=10, attention=0, published="sadoughi2017", 
     return _written(folder, study, conditions, stimuli, expected, published)
 
 
-def _written(folder, study, conditions, stimuli, expected, published):
+def _written(folder, study, conditions, stimuli, expected, published, corpus="demo"):
     folder.mkdir(parents=True, exist_ok=True)
     study = write_study(folder, study)
-    key = Key(study.digest, "demo", "0123456789ab", 0, published, tuple(conditions), stimuli, expected)
+    key = Key(study.digest, corpus, "0123456789ab", 0, published, tuple(conditions), stimuli, expected)
     write_key(folder, key)
     return study, key
 
