@@ -61,7 +61,6 @@ include: "workflow/rules/figures.smk"
 include: "workflow/rules/visemes.smk"
 include: "workflow/rules/videos.smk"
 include: "workflow/rules/marker_videos.smk"
-include: "workflow/rules/preference.smk"
 include: "workflow/rules/studies.smk"
 include: "workflow/rules/evaluations.smk"
 include: "workflow/rules/speak.smk"
@@ -86,8 +85,6 @@ localrules:
     models,
     tables,
     videos,
-    preference,
-    tally,
     speaker,
     speak,
     viseme_numbers,
@@ -180,11 +177,6 @@ rule viseme_numbers:
         viseme_number_tables,
 
 
-rule preference:
-    input:
-        for_pictured("<system>/preference/videos"),
-
-
 rule study:
     input:
         study_files,
@@ -193,11 +185,6 @@ rule study:
 rule study_evaluation:
     input:
         evaluated_folders,
-
-
-rule tally:
-    input:
-        for_pictured("<system>/tables/preference.tsv"),
 
 
 rule report:

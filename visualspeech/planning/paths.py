@@ -32,9 +32,6 @@ def _files(settings: Mapping) -> Iterator[tuple[str, str]]:
             yield f"corpora.{name}.table", str(Path(os.path.expanduser(corpus["root"]), corpus["table"]))
     if settings["speak"]["file"]:
         yield "speak.file", settings["speak"]["file"]
-    for name, system in settings["systems"].items():
-        if system["preference"]["answers"]:
-            yield f"systems.{name}.preference.answers", system["preference"]["answers"]
 
 
 def _impossible(where: str, path: str, most: int) -> list[str]:

@@ -218,8 +218,8 @@ def complete_system(system: Mapping, seed: int) -> dict:
 
     Returns
     -------
-    The settings with ``rows`` (plain data of :class:`ModelRow`) in place of ``models``; ``tables`` and ``preference``
-    name rows in place of entries.
+    The settings with ``rows`` (plain data of :class:`ModelRow`) in place of ``models``; ``tables`` name rows, not
+    entries.
 
     Raises
     ------
@@ -257,7 +257,6 @@ def complete_system(system: Mapping, seed: int) -> dict:
         "videos": {**system["videos"], "model": shown},
         "sound_model": next(iter(rows_of_entries(filter(None, [system["sound_model"]]), rows)), ""),
         "tables": resolved_tables(system["tables"], rows),
-        "preference": {**system["preference"], "models": _pair(system, shown, rows)},
     }
 
 
@@ -298,10 +297,9 @@ def _needs_of_row(row: ModelRow, blocks: Mapping) -> set[str]:
 
 
 def _naming_mistakes(system: Mapping, rows: Sequence[ModelRow], where: str) -> list[str]:
-    """What is wrong with the names of models in videos, preference and tables."""
+    """What is wrong with the names of models in videos, figures and tables."""
     trained = [row.name for row in rows if row.role != "floor"]
     known = list(dict.fromkeys([*system["models"], *(row.name for row in rows)]))
-    pair = system["preference"]["models"]
     found = []
     if system["published"] and system["published"] not in published_names():
         found.append(unknown(f"{where}.published", system["published"], published_names()))
@@ -312,31 +310,11 @@ def _naming_mistakes(system: Mapping, rows: Sequence[ModelRow], where: str) -> l
     if shown and shown not in trained:
         found.append(unknown(f"{where}.videos.model", shown, trained, "model of the system"))
     found += [
-        unknown(f"{where}.preference.models.{number}", name, trained, "model of the system")
-        for number, name in enumerate(pair)
-        if name not in trained
-    ]
-    found += [
         unknown(f"{where}.trajectories.models.{number}", name, trained, "model of the system")
         for number, name in enumerate(system["trajectories"]["models"])
         if name not in trained
     ]
-    if len(pair) == 1:
-        found.append(f"`{where}.preference.models: [{pair[0]}]` must name two models, or none to have them chosen.")
     return found
-
-
-def _pair(system: Mapping, shown: str, rows: Sequence[ModelRow]) -> list[str]:
-    """The two models of a preference test: as given, or the shown one and the last reference or baseline."""
-    names = system["preference"]["models"]
-    if names:
-        return list(names)
-    family = next(row.family for row in rows if row.name == shown)
-    others = [row.name for row in rows if row.role == "model" and row.family != family]
-    references = rows_of_entries(system["tables"]["gains"]["references"], rows)
-    others = [name for name in references if name in others] or others
-    others = others or [row.name for row in rows if row.role == "baseline"]
-    return [shown, next((name for name in reversed(others) if name != shown), "training_mean")]
 
 
 def missing_needs(system: Mapping, gives: frozenset[str]) -> list[str]:

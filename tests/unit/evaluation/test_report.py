@@ -199,7 +199,7 @@ def test_evaluation_does_not_load_torch():
     import sys
 
     code = (
-        "import sys; from visualspeech.evaluation import across_systems, gains, gathering, plots, preference, report;"
+        "import sys; from visualspeech.evaluation import across_systems, gains, gathering, plots, report;"
         "from visualspeech.evaluation import tables, topologies;"
         "sys.exit('torch' in sys.modules)"
     )
