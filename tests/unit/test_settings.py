@@ -73,7 +73,8 @@ def nodes(node, path=""):
 
 def sections(schema):
     """The parts of a schema that stand for a settings class."""
-    return [(path, node, settings_class(node["settings"])) for path, node in nodes(schema) if "settings" in node]
+    every = [("", schema), *nodes(schema)]
+    return [(path, node, settings_class(node["settings"])) for path, node in every if "settings" in node]
 
 
 def derived():
