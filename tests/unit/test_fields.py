@@ -67,6 +67,7 @@ from visualspeech.schema import check, settings_class
 from visualspeech.speech.forced_alignment import AlignmentSettings
 from visualspeech.speech.spoken_settings import VoiceSettings
 from visualspeech.study.evaluation_settings import EvaluationSettings
+from visualspeech.study.settings import StudySettings
 
 CLASSES = [
     AamSettings, AlignmentSettings, BootstrapSettings, CheckSettings, ComparisonSettings, DemoSettings, DnnSettings,
@@ -75,7 +76,7 @@ CLASSES = [
     GvCompensationSettings, HmmSettings, JointSettings, LabelPartsSettings, LandmarkSettings, LinguisticSettings,
     LogMelSettings, LookupSettings, MarkerSettings, MotionSettings, PhoneClassesSettings, PhoneSettings,
     PhoneTrackSettings, PoseSettings, ReferenceSettings, RegionTableSettings, RenderSettings, ScreeningSettings,
-    SelectionSettings, SpeakSettings, SpeechSettings, StackSettings, TableSettings, TrainingSettings,
+    SelectionSettings, SpeakSettings, SpeechSettings, StackSettings, StudySettings, TableSettings, TrainingSettings,
     TrajectorySettings, TriphoneStateSettings, VideoSettings, VisemeContextSettings, VisemeNumberSettings,
     VoiceSettings, WalkSettings,
 ]  # fmt: skip

@@ -455,9 +455,12 @@ def selected(changes):
         ),
         (
             "override: {system: {}}",
-            r"unknown setting `override.system`. Did you mean `systems`\? Known here: codings, sys",
+            r"unknown setting `override.system`. Did you mean `systems`\? Known here: codings, studies, sys",
         ),
-        ("override: 3", "`override: 3` must be lines of `key: value`. Changes of single systems and codings, by name."),
+        (
+            "override: 3",
+            "`override: 3` must be lines of `key: value`. Changes of single systems, codings and studies, by name.",
+        ),
         (
             "systems: 3",
             r"`systems: 3` must be a list, a text or lines of `key: value` \(put it in quotes\). The published",

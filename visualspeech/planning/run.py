@@ -43,7 +43,6 @@ def resolve(config: Mapping, folder: Path) -> dict:
     Returns
     -------
     The run's settings with all defaults; ``corpora``, ``systems``, ``codings`` and ``studies`` are mappings by name.
-    A study is None where a system that it compares is not selected.
 
     Raises
     ------
@@ -215,7 +214,7 @@ class Plan:
             (corpus, name)
             for corpus in self.corpora
             for name, study in self.settings["studies"].items()
-            if study and {one["system"] for one in study["conditions"]} <= set(self.systems(corpus))
+            if not study["problem"] and {one["system"] for one in study["conditions"]} <= set(self.systems(corpus))
         )
 
 

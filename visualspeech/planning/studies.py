@@ -29,8 +29,11 @@ def read_studies(given, override: Mapping, folder: Path) -> dict[str, dict]:
     return by_name(entries, "studies")
 
 
-def complete_study(study: Mapping, systems: Mapping[str, Mapping], codings: Mapping[str, Mapping]) -> dict | None:
-    """A study whose conditions are rows of systems; None where a system that it compares is not selected.
+def complete_study(study: Mapping, systems: Mapping[str, Mapping], codings: Mapping[str, Mapping]) -> dict:
+    """A study whose conditions are rows of systems.
+
+    A run may change systems and leave the studies that compare them as they are. What a study lacks is therefore no
+    error of the run, but kept for the target that makes studies.
 
     Parameters
     ----------
@@ -40,12 +43,13 @@ def complete_study(study: Mapping, systems: Mapping[str, Mapping], codings: Mapp
     Returns
     -------
     ``name``, ``published``, ``settings`` (of :class:`StudySettings`) and ``conditions``: for each its ``name``,
-    ``title``, ``system``, ``model`` and ``coding``; the last two are empty for the recorded face.
+    ``title``, ``system``, ``model`` and ``coding``; the last two are empty for the recorded face. ``problem``: why it
+    cannot be made, a sentence; empty where it can. ``skipped``: whether a system that it compares is not selected.
 
     Raises
     ------
     SettingError
-        A condition names no model, or what is compared does not go together.
+        A setting is wrong, or what is compared does not go together.
     """
     where = f"studies.{study['name']}"
     if study["published"] and study["published"] not in published_names():
@@ -57,9 +61,22 @@ def complete_study(study: Mapping, systems: Mapping[str, Mapping], codings: Mapp
     entries = [{"system": "", "model": one} if isinstance(one, str) else one for one in study["conditions"]]
     entries = [{"model": "", "title": "", **one, "system": one.get("system") or study["system"]} for one in entries]
     named = list(dict.fromkeys([study["system"], *(one["system"] for one in entries if one["model"] != RECORDED)]))
-    if any(name not in systems for name in named):
-        return None
-    conditions = [_condition(one, systems, f"{where}.conditions.{number}") for number, one in enumerate(entries)]
+    done = {
+        "name": study["name"],
+        "published": study["published"],
+        "system": study["system"],
+        "settings": {key: value for key, value in study.items() if key not in OWN},
+        "conditions": [],
+        "skipped": False,
+        "problem": "",
+    }
+    if missing := [name for name in named if name not in systems]:
+        problem = f"the study {study['name']} is skipped: it compares models of {missing[0]}, which is not selected."
+        return {**done, "skipped": True, "problem": problem}
+    try:
+        conditions = [_condition(one, systems, f"{where}.conditions.{number}") for number, one in enumerate(entries)]
+    except SettingError as error:
+        return {**done, "problem": f"{error} Or leave the study out of `studies`."}
     check_conditions(settings.kind, [(one["system"], one["model"]) for one in conditions], where)
     kinds = {codings[systems[name]["coding"]]["kind"] for name in named}
     if len(kinds) > 1:
@@ -67,13 +84,7 @@ def complete_study(study: Mapping, systems: Mapping[str, Mapping], codings: Mapp
             f"`{where}.conditions`: {', '.join(named)} show talking heads and drawn points, which viewers could not "
             "compare; name models of systems of one kind."
         )
-    return {
-        "name": study["name"],
-        "published": study["published"],
-        "system": study["system"],
-        "settings": {key: value for key, value in study.items() if key not in OWN},
-        "conditions": _with_names(conditions),
-    }
+    return {**done, "conditions": _with_names(conditions)}
 
 
 def _condition(entry: Mapping, systems: Mapping[str, Mapping], where: str) -> dict:

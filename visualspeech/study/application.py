@@ -66,7 +66,7 @@ class Application:
         self._templates = {
             name: environment.get_template(f"{name}.html") for name in ("consent", "sound", "item", "done", "message")
         }
-        self.asgi = Starlette(
+        application = Starlette(
             routes=[
                 Route("/", self.consent),
                 Route("/participants", self.begin, methods=["POST"]),
@@ -85,6 +85,8 @@ class Application:
                 Exception: self._failed,
             },
         )
+        application.router.redirect_slashes = False
+        self.asgi = application
 
     def consent(self, request: Request) -> Response:
         """The first page."""

@@ -32,7 +32,7 @@ from visualspeech.study.records import (
     write_key,
     write_study,
 )
-from visualspeech.study.settings import StudySettings
+from visualspeech.study.settings import CONSENT, INTRODUCTION, StudySettings
 from visualspeech.study.sources import Faces, Shown, check_length
 
 WORDS = ("river", "window", "seven", "garden", "table", "yellow", "monday", "paper")
@@ -84,7 +84,7 @@ def make_study(
     DataError
         The conditions of an utterance differ in length.
     """
-    generator = np.random.default_rng(seed)
+    generator = np.random.default_rng([seed, *name.encode()])
     items = planned_items(settings, conditions, utterances, generator)
     used = {one.utterance.id: one.utterance for one in items}
     sounds = {}
@@ -118,7 +118,11 @@ def make_study(
         choices = generator.permutation([word, *others])
         sound = SoundCheck(file, tuple(map(str, choices)), word)
     made = [made[index] for index in generator.permutation(len(made))]
-    texts = {"title": settings.title, "introduction": settings.introduction, "consent": settings.consent}
+    texts = {
+        "title": settings.title,
+        "introduction": settings.introduction or INTRODUCTION,
+        "consent": settings.consent or CONSENT,
+    }
     study = Study(name, settings.kind, **texts, questions=questions, items=tuple(made), sound_check=sound)
     return Made(study, stimuli, expected)
 

@@ -33,12 +33,16 @@ class StudySettings(Settings):
     section = "studies"
     kind: str = setting(
         PREFERENCE,
-        "preference: two conditions side by side; rating: one video at a time on a scale.",
+        "Kind of test: preference, two conditions side by side; rating, one video at a time on a scale.",
         choices=(PREFERENCE, RATING),
     )
     title: str = setting("Talking faces", "Title of the pages.", min_length=1, max_length=200, pattern=_LINE)
-    introduction: str = setting(INTRODUCTION, "First page; blank lines divide paragraphs.", max_length=10_000)
-    consent: str = setting(CONSENT, "What participants agree to on the first page.", min_length=1, max_length=20_000)
+    introduction: str = setting(
+        "", "First page; blank lines divide paragraphs. Empty: a general text.", max_length=10_000
+    )
+    consent: str = setting(
+        "", "What participants agree to on the first page. Empty: a general text.", max_length=20_000
+    )
     questions: dict[str, str] = setting(
         {},
         "Name -> text of each question; one of a preference test. Empty: a question on naturalness.",
@@ -58,11 +62,11 @@ class StudySettings(Settings):
             },
         },
     )
-    forced: bool = setting(False, "preference: leave out the answer `no difference`.")
-    minimum: int = setting(1, "rating: lowest value of the scale.", minimum=0, maximum=99)
-    maximum: int = setting(10, "rating: highest value of the scale.", minimum=1, maximum=100)
-    lowest: str = setting("not natural at all", "rating: what the lowest value means.", max_length=100, pattern=_LINE)
-    highest: str = setting("very natural", "rating: what the highest value means.", max_length=100, pattern=_LINE)
+    forced: bool = setting(False, "Leave out the answer `no difference` of a preference test.")
+    minimum: int = setting(1, "Lowest value of the scale of a rating test.", minimum=0, maximum=1)
+    maximum: int = setting(10, "Highest value of the scale of a rating test.", minimum=2, maximum=20)
+    lowest: str = setting("not natural at all", "What the lowest value means.", max_length=100, pattern=_LINE)
+    highest: str = setting("very natural", "What the highest value means.", max_length=100, pattern=_LINE)
     utterances: int = setting(10, "Number of test utterances, drawn with the run's seed.", minimum=1, maximum=1000)
     practice: bool = setting(True, "Show one video first whose answer does not count, of another utterance.")
     attention: int = setting(
@@ -85,8 +89,6 @@ class StudySettings(Settings):
             object.__setattr__(self, "questions", dict(QUESTIONS[self.kind]))
         if self.kind == PREFERENCE and len(self.questions) != 1:
             raise setting_error(type(self), "questions", dict(self.questions), "one question in a preference test")
-        if self.maximum - self.minimum < 1 or self.maximum - self.minimum > 20:
-            raise setting_error(type(self), "maximum", self.maximum, "1 to 20 above `minimum`")
         if self.forced and self.kind == RATING:
             raise setting_error(type(self), "forced", True, "left out in a rating test")
 

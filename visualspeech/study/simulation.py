@@ -136,16 +136,24 @@ def simulate(
 
 
 def simulate_at(
-    address: str, study: Study, key: Key, participants: int, behaviour: Behaviour, seed: int, at_once: int, path: Path
+    address: str,
+    study: Study,
+    key: Key,
+    participants: int,
+    behaviour: Behaviour,
+    seed: int,
+    at_once: int,
+    path: Path,
+    pause: float = 0.0,
 ) -> Simulated:
-    """As :func:`simulate`, at a server of simulated answers that runs already."""
+    """As :func:`simulate`, at a server of simulated answers that runs already; ``pause`` in seconds is before answers."""
 
     def visit(number: int) -> "Visitor":
         generator = np.random.default_rng([seed, number])
         # The careless come first, then those who quit, in the order in which they start.
         careless = number < behaviour.careless
         quits = not careless and number < behaviour.careless + behaviour.quitting
-        visitor = Visitor(address, study.sound_check.answer if study.sound_check else "")
+        visitor = Visitor(address, study.sound_check.answer if study.sound_check else "", pause)
         visitor.participate(lambda page: choose(page, study, key, behaviour, generator, careless), quits)
         return visitor
 
@@ -214,13 +222,14 @@ class Visitor:
     ----------
     address : of the server
     word : of the sound check; empty where the study has none
+    pause : seconds before each answer
     """
 
-    def __init__(self, address: str, word: str = "") -> None:
+    def __init__(self, address: str, word: str = "", pause: float = 0.0) -> None:
         parts = urlsplit(address)
         self._connection = http.client.HTTPConnection(parts.hostname, parts.port, timeout=60)
         self.seconds: list[float] = []
-        self.answers, self.code, self.word = 0, "", word
+        self.answers, self.code, self.word, self.pause = 0, "", word, pause
 
     def participate(self, answer, quits: bool = False) -> None:
         """Take part from the first page to the last; ``quits``: stop half-way. ``answer`` maps a page to its answers.
@@ -238,6 +247,7 @@ class Visitor:
             if page.kind == "sound":
                 page = Page(self.post_form(f"{path}/sound", {"word": self.word}))
                 continue
+            time.sleep(self.pause)
             values = answer(page)
             reply = self.post_json(f"{path}/answers", {"item": page.item, "played": True, "answers": values})
             self.answers += len(values) if reply["stored"] else 0

@@ -79,8 +79,11 @@ def predictions_of_study(wildcards):
 
 def study_files(wildcards):
     """Input function: every viewing test of the run, but those that people have answered."""
-    for study in (name for name, one in SETTINGS["studies"].items() if name not in dict(map(reversed, PLAN.studies))):
-        logger.warning(f"the study {study} is skipped: no corpus of the run has all systems that it compares.")
+    problems = [one for one in SETTINGS["studies"].values() if one["problem"]]
+    for one in problems:
+        if not one["skipped"]:
+            refuse(one["problem"])
+        logger.warning(one["problem"])
     for corpus, study in FROZEN:
         logger.warning(
             f"the study {study} of {corpus} is left as it is: people have answered it. Name a changed study otherwise."
