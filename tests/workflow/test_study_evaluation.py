@@ -16,7 +16,7 @@ def answered(tiny_run, tmp_path):
     folder = tmp_path / "answered"
     study, key = preference_study(folder, corpus="tiny")
     write_answers(folder, study, preferring(study, key, 3))
-    yield folder, overlay(tmp_path, {"study_evaluation": {"folders": [str(folder)], "samples": 100}})
+    yield folder, overlay(tmp_path, {"study_evaluation": {"folders": [str(folder)], "statistics": {"samples": 100}}})
     shutil.rmtree(tiny_run / "results" / "tiny" / "evaluations", ignore_errors=True)
 
 

@@ -9,7 +9,7 @@ from visualspeech.fields import MAX_SEED, Settings, setting
 class EvaluationSettings(Settings):
     """Who is counted in a viewing test, and how its intervals and tests are computed."""
 
-    section = "study_evaluation"
+    section = "study_evaluation.statistics"
     max_failed_attention: int = setting(
         0, "Number of attention items that a participant may fail and still be counted.", minimum=0, maximum=1000
     )

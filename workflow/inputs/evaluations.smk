@@ -23,8 +23,7 @@ def answers_digest(wildcards):
 
 def evaluation_settings(wildcards):
     """Params function: settings of the evaluation."""
-    own = ("folders", "simulated")
-    return {"seed": SEED} | {key: one for key, one in SETTINGS["study_evaluation"].items() if key not in own}
+    return {**SETTINGS["study_evaluation"]["statistics"], "seed": SEED}
 
 
 def evaluations_of(wildcards):
