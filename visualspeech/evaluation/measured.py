@@ -168,14 +168,19 @@ class MeasuredRows:
         return MeasuredRows(rows, {cell: _mean(tables) for cell, tables in repetitions.items()}, repetitions)
 
     def single(self) -> "MeasuredRows | None":
-        """The rows of the cells that have several, each with its seed in its title; None if there are none."""
-        rows = tuple(
-            replace(row, title=f"{row.title}, seed {row.seed}")
-            for of_cell in self.cells().values()
+        """The rows of the cells that have several, each with its seed in name and title; None if there are none.
+
+        The first row of a cell has the cell's name, which is that of the pooled row as well.
+        """
+        found = [
+            (replace(row, name=f"{cell}-s{row.seed}", title=f"{row.title}, seed {row.seed}"), self.tables[row.name])
+            for cell, of_cell in self.cells().items()
             for row in of_cell
             if len(of_cell) > 1
+        ]
+        return (
+            MeasuredRows(tuple(row for row, _ in found), {row.name: table for row, table in found}) if found else None
         )
-        return MeasuredRows(rows, {row.name: self.tables[row.name] for row in rows}) if rows else None
 
     def mean_and_deviation(self, rows: Sequence[ModelRow], metric: str) -> tuple[float, float]:
         """Mean of a corpus figure over repetitions and its sample standard deviation, NaN for a single repetition."""

@@ -2,14 +2,11 @@
 
 from pathlib import Path
 
-from visualspeech.evaluation.forms import fragment_of
+from visualspeech.evaluation.gathering import shown_tables
 from visualspeech.evaluation.report import Picture, StudySection
-from visualspeech.storage.files import read_text
-from visualspeech.storage.tables import read_table
+from visualspeech.evaluation.study_contents import read_contents
 
-#: File of an evaluation that says what is shown: columns ``kind`` (title, page, table or figure), ``file``, ``text``.
-CONTENTS = "contents.tsv"
-COLUMNS = ("kind", "file", "text")
+_FORMS = (".html", ".tsv", ".md", ".tex")
 
 
 def study_section(folder: str | Path, report: str | Path) -> StudySection:
@@ -25,13 +22,13 @@ def study_section(folder: str | Path, report: str | Path) -> StudySection:
     StorageError
         A file of the evaluation is missing or damaged.
     """
-    folder = Path(folder)
-    rows = list(read_table(folder / CONTENTS, COLUMNS, required=COLUMNS).itertuples(index=False))
-    title = next(row.text for row in rows if row.kind == "title")
-    page = next(row.file for row in rows if row.kind == "page")
+    folder, rows = Path(folder), read_contents(folder)
+    title = next(text for kind, _, text in rows if kind == "title")
+    page = next(file for kind, file, _ in rows if kind == "page")
+    tables = [Path(folder, file) for kind, file, _ in rows if kind == "table"]
     return StudySection(
         title=title,
-        page=(folder / page).relative_to(Path(report).parent).as_posix(),
-        tables=tuple(fragment_of(read_text(folder / row.file)) for row in rows if row.kind == "table"),
-        figures=tuple(Picture((folder / row.file).read_bytes(), row.text) for row in rows if row.kind == "figure"),
+        page=Path(folder, page).relative_to(Path(report).parent).as_posix(),
+        tables=shown_tables([[str(path.with_suffix(form)) for form in _FORMS] for path in tables], str(report)),
+        figures=tuple(Picture(Path(folder, file).read_bytes(), text) for kind, file, text in rows if kind == "figure"),
     )

@@ -63,10 +63,10 @@ def result_tables(
     -------
     tuple
         a data frame with one line per row (column ``row``), where repetitions are pooled to one row and each stands
-        below as well, and the columns ``metric``, ``metric_low``, ``metric_high``, ``metric_ratio``,
-        ``metric_ratio_low``, ``metric_ratio_high`` of each measure, as text rounded to the digits shown; and
-        :class:`Table`: for each protocol the figures, ratios to the training mean, and, where rows have several
-        seeds, the figures of each
+        below as well under the name ``<cell>-s<seed>``, and the columns ``metric``, ``metric_low``, ``metric_high``,
+        ``metric_ratio``, ``metric_ratio_low``, ``metric_ratio_high`` of each measure, as text rounded to the digits
+        shown; and :class:`Table`: for each protocol the figures, ratios to the training mean, and, where rows have
+        several seeds, the figures of each
 
     Raises
     ------
@@ -76,7 +76,6 @@ def result_tables(
     settings, bootstrap = settings or TableSettings(), bootstrap or BootstrapSettings()
     metrics, seeds, pooled = tuple(measured.metrics(settings.metrics)), measured.single(), measured.pooled()
     cells = _cells(pooled, metrics, settings, bootstrap)
-    # Ratios need the training mean; where it has seeds itself, it is there already.
     each = seeds and _cells(_with_base(seeds, measured), metrics, settings, bootstrap)
     tables = []
     for protocol, text in PROTOCOLS.items():
@@ -99,8 +98,9 @@ def _cells(measured: MeasuredRows, metrics, settings: TableSettings, bootstrap: 
 
 
 def _with_base(seeds: MeasuredRows, measured: MeasuredRows) -> MeasuredRows:
-    names = {row.name for row in seeds.rows} | {measured.base.name}
-    return measured.where(lambda row: row.name in names)
+    """The seeds and the training mean, to which ratios are taken."""
+    base = measured.base
+    return MeasuredRows((*seeds.rows, base), {**seeds.tables, base.name: measured.tables[base.name]})
 
 
 def _of_seeds(seeds: MeasuredRows, metrics, cells: Mapping, title: str) -> Table:

@@ -8,7 +8,7 @@ from pathlib import Path
 from visualspeech.errors import DataError, SettingError
 from visualspeech.evaluation.forms import PAGE_STYLE, all_forms, to_html
 from visualspeech.evaluation.published_results import published
-from visualspeech.evaluation.study_section import COLUMNS, CONTENTS
+from visualspeech.evaluation.study_contents import COLUMNS, CONTENTS
 from visualspeech.storage.files import replacing
 from visualspeech.storage.tables import table_text
 from visualspeech.study.evaluation_settings import EvaluationSettings

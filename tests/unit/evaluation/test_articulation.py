@@ -270,7 +270,7 @@ def test_measures_of_the_result_table_are_others():
 
 def test_seeds_of_a_network_are_one_row():
     found = measured(
-        (dataclasses.replace(stack("FBB-128-s1", "FBB", 128), title="FBB-128"), table_of(0.8)),
+        (stack("FBB-128", "FBB", 128), table_of(0.8)),
         (dataclasses.replace(stack("FBB-128-s2", "FBB", 128, 2), title="FBB-128"), table_of(0.6)),
     )
     frame, (table,) = articulation_tables(found, TARGETS, ())

@@ -165,7 +165,7 @@ def titled(name, seed):
 
 def repeated_rows():
     return measured(
-        (titled("FBB-128-s1", 1), statistics(ERRORS, 0.7, 0.8, undefined=1)),
+        (titled("FBB-128", 1), statistics(ERRORS, 0.7, 0.8, undefined=1)),
         (titled("FBB-128-s2", 2), statistics(1.2 * ERRORS, 0.5, 0.6)),
         (stack("BFF-128", "BFF", 128), statistics(1.15 * ERRORS, 0.7, 1.3)),
         ("training_mean", statistics(2.0 * ERRORS, 0.0, 0.0)),

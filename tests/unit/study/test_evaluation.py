@@ -20,7 +20,7 @@ from tests.unit.study.folders import (
 )
 from visualspeech.cli import main
 from visualspeech.errors import DataError, SettingError
-from visualspeech.evaluation.study_section import CONTENTS
+from visualspeech.evaluation.study_contents import CONTENTS
 from visualspeech.study.evaluation import evaluate, evaluation_files, summary, write_evaluation
 from visualspeech.study.evaluation_settings import EvaluationSettings
 from visualspeech.study.records import ANSWERS, KEY, SIMULATED_ANSWERS, STUDY, Condition, Stimulus, write_key

@@ -70,5 +70,6 @@ def test_the_report_shows_what_an_evaluation_lists(tmp_path):
     section = study_section(tmp_path / "corpus" / "evaluations" / "sadoughi2017", tmp_path / "corpus" / "report.html")
     assert section.title == "Simulated answers: viewing test sadoughi2017"
     assert section.page == "evaluations/sadoughi2017/evaluation.html"
-    assert len(section.tables) == 4 and all("Simulated answers" in table for table in section.tables)
+    assert len(section.tables) == 4 and all("Simulated answers" in table.html for table in section.tables)
+    assert section.tables[0].files[0].path == "evaluations/sadoughi2017/ratings.tsv"
     assert [one.picture for one in found.drawings] == list(section.figures)
