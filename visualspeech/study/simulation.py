@@ -7,6 +7,7 @@ simulated and kept in a database of their own.
 import http.client
 import json
 import math
+import random
 import time
 from collections.abc import Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
@@ -146,7 +147,7 @@ def simulate_at(
     path: Path,
     pause: float = 0.0,
 ) -> Simulated:
-    """As :func:`simulate`, at a server of simulated answers that runs already; ``pause`` in seconds is before answers."""
+    """As :func:`simulate`, at a server of simulated answers that runs; about ``pause`` seconds lie before an answer."""
 
     def visit(number: int) -> "Visitor":
         generator = np.random.default_rng([seed, number])
@@ -222,7 +223,7 @@ class Visitor:
     ----------
     address : of the server
     word : of the sound check; empty where the study has none
-    pause : seconds before each answer
+    pause : average number of seconds before each answer
     """
 
     def __init__(self, address: str, word: str = "", pause: float = 0.0) -> None:
@@ -247,7 +248,7 @@ class Visitor:
             if page.kind == "sound":
                 page = Page(self.post_form(f"{path}/sound", {"word": self.word}))
                 continue
-            time.sleep(self.pause)
+            time.sleep(self.pause * random.uniform(0.5, 1.5))
             values = answer(page)
             reply = self.post_json(f"{path}/answers", {"item": page.item, "played": True, "answers": values})
             self.answers += len(values) if reply["stored"] else 0
