@@ -264,7 +264,8 @@ def _instructed(frames: Iterator[np.ndarray], text: str, begin: int) -> Iterator
     for number, frame in enumerate(frames):
         if number >= begin:
             if bar is None:
-                bar = title_bar([text], [frame.shape[1]], max(24, len(frame) // 5))
+                margin = frame.shape[1] // 12
+                bar = title_bar(["", text, ""], [margin, frame.shape[1] - 2 * margin, margin], max(24, len(frame) // 6))
             frame = frame.copy()
             top = (len(frame) - len(bar)) // 2
             frame[top : top + len(bar)] = bar
