@@ -14,6 +14,9 @@ shell.prefix(shell_prefix())
 configfile: str(Path(workflow.basedir, "config", "config.yaml"))
 
 
+report: "workflow/report/workflow.rst"
+
+
 include: "workflow/inputs/plan.smk"
 include: "workflow/inputs/studies.smk"
 

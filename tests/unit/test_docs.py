@@ -14,7 +14,7 @@ from visualspeech.settings import merged, read_yaml
 CONFIG = REPOSITORY / "config"
 DOCUMENTS = sorted([*REPOSITORY.glob("*.md"), *REPOSITORY.glob("docs/*.md"), *REPOSITORY.glob("config/*.md")])
 #: Options of snakemake that take the arguments after them.
-TAKE_VALUES = ("--cores", "--configfile", "--config", "--directory", "--snakefile")
+TAKE_VALUES = ("--cores", "--configfile", "--config", "--directory", "--snakefile", "--report")
 #: Placeholders of a file name.
 HOLES = "<{*"
 

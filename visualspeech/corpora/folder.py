@@ -1,7 +1,7 @@
 """The adapter ``folder``: recordings in a folder, with a ``.txt`` transcript beside each or one table for all."""
 
 import os
-from collections.abc import Mapping
+from collections.abc import Callable, Collection, Mapping
 from dataclasses import replace
 from pathlib import Path
 
@@ -87,19 +87,38 @@ def existing_folder(root: str | os.PathLike | None, corpus: Mapping, also: str =
 
 
 def _of_files(root: Path) -> list[Utterance]:
-    found = find_files(root, VIDEOS)
+    return of_folder(
+        root,
+        VIDEOS,
+        lambda video: {**transcript_beside(video), **recording_fields(video)},
+        f"no recordings in {shown(root)}. Put videos (such as .mp4, .mov, .mkv, .avi, .mpg) there with a .txt "
+        "transcript of the same name beside each, or set `root:` to the folder that holds them.",
+    )
+
+
+def of_folder(root: Path, endings: Collection[str], fields: Callable[[Path], Mapping], nothing: str) -> list[Utterance]:
+    """One utterance per file with one of some endings in a folder and all folders inside it, sorted by file.
+
+    Parameters
+    ----------
+    fields : of the utterance of a file, without id and speaker
+    nothing : message where there is no such file
+
+    Raises
+    ------
+    CorpusError
+        There is no such file, and every folder could be listed.
+    """
+    found = find_files(root, endings)
     if not found.files and not found.unreadable:
-        raise CorpusError(
-            f"no recordings in {shown(root)}. Put videos (such as .mp4, .mov, .mkv, .avi, .mpg) there with a .txt "
-            "transcript of the same name beside each, or set `root:` to the folder that holds them."
-        )
+        raise CorpusError(nothing)
     listed = [
         Utterance(
-            id=legal_id("-".join(video.relative_to(root).with_suffix("").parts)),
-            speaker=displayable(speaker_folder(video, root)),
-            **{**transcript_beside(video), **recording_fields(video)},
+            id=legal_id("-".join(path.relative_to(root).with_suffix("").parts)),
+            speaker=displayable(speaker_folder(path, root)),
+            **fields(path),
         )
-        for video in found.files
+        for path in found.files
     ]
     return listed + list(unreadable_folders(found, root, speaker_folder))
 

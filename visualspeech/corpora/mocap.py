@@ -4,11 +4,10 @@ import os
 from collections.abc import Mapping
 from pathlib import Path
 
-from visualspeech.corpora.files import VIDEOS, find_files, recording_fields, shown, speaker_folder, unreadable_folders
-from visualspeech.corpora.folder import existing_folder, of_speaker, transcript_beside
+from visualspeech.corpora.files import VIDEOS, recording_fields, shown
+from visualspeech.corpora.folder import existing_folder, of_folder, of_speaker, transcript_beside
 from visualspeech.corpora.folder_table import OPTIONAL, checked_path, numbered_rows, row_fields
-from visualspeech.corpora.records import Utterance, displayable, legal_id
-from visualspeech.errors import CorpusError
+from visualspeech.corpora.records import Utterance, displayable
 
 NEEDED = ("file",)
 #: Files of sound, the first that is there; of a video the sound is taken.
@@ -57,21 +56,16 @@ def _of_table(root: Path, corpus: Mapping, text: bool) -> list[Utterance]:
 
 
 def _of_files(root: Path, text: bool) -> list[Utterance]:
-    found = find_files(root, {".csv"})
-    if not found.files and not found.unreadable:
-        raise CorpusError(
-            f"no motion capture in {shown(root)}. Put CSV files there with a sound file (such as .wav) of the same "
-            "name beside each, or set `root:` to the folder that holds them."
-        )
-    listed = [
-        Utterance(
-            id=legal_id("-".join(path.relative_to(root).with_suffix("").parts)),
-            speaker=displayable(speaker_folder(path, root)),
-            **{**(transcript_beside(path) if text else {"transcript": ""}), **_files(path, _sound_beside(path))},
-        )
-        for path in found.files
-    ]
-    return listed + list(unreadable_folders(found, root, speaker_folder))
+    return of_folder(
+        root,
+        {".csv"},
+        lambda path: {
+            **(transcript_beside(path) if text else {"transcript": ""}),
+            **_files(path, _sound_beside(path)),
+        },
+        f"no motion capture in {shown(root)}. Put CSV files there with a sound file (such as .wav) of the same "
+        "name beside each, or set `root:` to the folder that holds them.",
+    )
 
 
 def _files(motion: Path, sound: Path | None) -> dict[str, str]:

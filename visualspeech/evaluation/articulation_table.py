@@ -23,7 +23,7 @@ from visualspeech.evaluation.layout import (
 )
 from visualspeech.evaluation.measured import MeasuredRows
 from visualspeech.evaluation.metrics import is_measured
-from visualspeech.evaluation.statistics import NO_FIGURE, BootstrapSettings, Figure, draws, figure, sample
+from visualspeech.evaluation.statistics import NO_FIGURE, BootstrapSettings, Figure, draws, figure, sample_row
 from visualspeech.speech.closures import MARGIN
 
 #: Columns of the TSV file for each measure; ``value`` is the measure's own name.
@@ -50,13 +50,15 @@ def articulation_tables(
     Returns
     -------
     tuple
-        a data frame with a line per row, the last one of the recorded faces, and for each measure the columns
-        ``metric``, ``metric_low``, ``metric_high`` as text; and one :class:`Table`
+        a data frame with a line per row, repetitions pooled, the last one of the recorded faces, and for each measure
+        the columns ``metric``, ``metric_low``, ``metric_high`` as text; and one :class:`Table`
     """
-    bootstrap = bootstrap or BootstrapSettings()
+    bootstrap, measured = bootstrap or BootstrapSettings(), measured.pooled()
     drawn = draws(measured.utterances, bootstrap)
     figures = {
-        (row, name): figure(sample(table, metric, drawn), bootstrap.level) if is_measured(table, metric) else NO_FIGURE
+        (row, name): figure(sample_row(measured, row, metric, drawn, bootstrap), bootstrap.level)
+        if is_measured(table, metric)
+        else NO_FIGURE
         for row, table in measured.tables.items()
         for name, metric in ARTICULATION.items()
     }
@@ -65,7 +67,9 @@ def articulation_tables(
     figures |= {(RECORDED, name): NO_FIGURE for name in ARTICULATION}
     figures |= {(RECORDED, name): Figure(value, *[float("nan")] * 2) for name, value in known.items()}
     cells = {key: _text(value, LAG_DIGITS if key[1] == "opening_lag" else digits) for key, value in figures.items()}
-    kinds = [(row.name, row.title, row.role) for row in measured.rows] + [(RECORDED, "Recorded faces", "floor")]
+    kinds = [(row.name, measured.title(row), row.role) for row in measured.rows] + [
+        (RECORDED, "Recorded faces", "floor")
+    ]
     compared = [row.name for row in measured.rows if competes(row)]
     best = {
         (row, name)

@@ -73,6 +73,11 @@ class Tested(NamedTuple):
     direction: int
 
 
+def smallest_p(utterances: int) -> float:
+    """The smallest p value that a paired test of so many utterances can have: all differences of one sign."""
+    return 2.0 ** (1 - utterances)
+
+
 def signed_rank(differences: np.ndarray) -> Tested:
     """Wilcoxon's signed-rank test of paired differences (n,); p is 1 where all of them are 0."""
     from scipy.stats import rankdata, wilcoxon
@@ -233,10 +238,10 @@ def _notes(pairs: int, utterances: int, settings: ComparisonSettings) -> tuple[s
         "uncorrected.",
         "The best value of each measure is bold.",
     ]
-    smallest_p = 2.0 ** (1 - utterances)
-    if smallest_p * pairs >= settings.level:
+    smallest = smallest_p(utterances)
+    if smallest * pairs >= settings.level:
         notes.append(
-            f"With {utterances} test utterances no p value can fall below {smallest_p:.2g}. After the correction for "
+            f"With {utterances} test utterances no p value can fall below {smallest:.2g}. After the correction for "
             f"{pairs} pairs this exceeds the significance level, so no difference can be significant here."
         )
     return tuple(notes)

@@ -35,13 +35,22 @@ def best_cell(rows: Sequence[ModelRow], validation: Mapping[str, object], metric
     DataError
         There is no candidate.
     """
+    ranked = ranked_cells(rows, validation, METRICS[metric])
+    if not ranked:
+        raise DataError("the table of gains has no candidate. Name a model in the settings of the tables.")
+    return ranked[0]
+
+
+def ranked_cells(rows: Sequence[ModelRow], validation: Mapping[str, object], metric: Metric) -> list[str]:
+    """The cells of the candidates, those in ``validation``, from the best figure to the worst.
+
+    Figures of the seeds of one cell are averaged. Cells with an undefined figure come last.
+    """
     costs = {
-        cell: float(np.mean([METRICS[metric].cost(corpus_figure(validation[row.name], metric)) for row in repetitions]))
+        cell: float(np.mean([metric.cost(corpus_figure(validation[row.name], metric.name)) for row in repetitions]))
         for cell, repetitions in cells_of([row for row in rows if row.name in validation]).items()
     }
-    if not costs:
-        raise DataError("the table of gains has no candidate. Name a model in the settings of the tables.")
-    return min(costs, key=costs.get)
+    return sorted(costs, key=lambda cell: (np.isnan(costs[cell]), costs[cell]))
 
 
 def rows_of_gains(measured: MeasuredRows, best: str, references: Sequence[str]) -> MeasuredRows:

@@ -1,6 +1,8 @@
 """Gathers the content of the report from the files of a run."""
 
+import io
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from datetime import date
 from importlib.metadata import version
 from pathlib import Path
@@ -11,9 +13,18 @@ from visualspeech import __version__
 from visualspeech.corpora.records import Utterance
 from visualspeech.corpora.split import SPLITS
 from visualspeech.corpora.table import of_split, read_utterances
+from visualspeech.errors import DamagedFile
 from visualspeech.evaluation import plots
-from visualspeech.evaluation.forms import fragment_of
-from visualspeech.evaluation.report import Picture, SystemSection, Video
+from visualspeech.evaluation.comparison_matrix import comparison_matrix
+from visualspeech.evaluation.comparisons import ComparisonSettings
+from visualspeech.evaluation.conclusions import conclude
+from visualspeech.evaluation.forms import fragment_of, to_html
+from visualspeech.evaluation.lip_rows import read_lip_tables
+from visualspeech.evaluation.measured import MeasuredRows, cells_of
+from visualspeech.evaluation.overview import SystemOverview, bands, figures_of, short_table
+from visualspeech.evaluation.report import FileLink, Picture, ShownTable, SystemSection, UtteranceFiles
+from visualspeech.evaluation.report_videos import videos
+from visualspeech.evaluation.statistics import BootstrapSettings
 from visualspeech.evaluation.timings import StageTiming, read_timings
 from visualspeech.face.aam.model import Aam
 from visualspeech.face.aam.modes import mode_pictures
@@ -23,7 +34,7 @@ from visualspeech.provenance import command, commit
 from visualspeech.speech.alignment import alignments_of
 from visualspeech.storage.arrays import ArrayCollection, ArrayReader
 from visualspeech.storage.files import read_text
-from visualspeech.storage.tables import read_table
+from visualspeech.storage.tables import read_numbers, read_table
 
 LIBRARIES = ("numpy", "scipy", "torch", "opencv-contrib-python-headless", "dlib-bin", "pocketsphinx", "av", "snakemake")
 
@@ -38,33 +49,129 @@ VISEMES = (
 FRAME_STAGES = ("check_recordings", "track_landmarks", "normalise_pose", "read_motion")
 
 
-def fragments(paths: Sequence[str]) -> tuple[str, ...]:
-    """The tables of pages written by :func:`visualspeech.evaluation.forms.to_html_page`."""
-    return tuple(fragment_of(read_text(path)) for path in paths)
+#: What files are called that stand in the report as links, by their suffix.
+FORM_TITLES = {".tsv": "TSV", ".tex": "TeX", ".md": "Markdown"}
 
 
-def system_section(given: Mapping, alignments: Sequence[str], report: str, trajectories: int = 3) -> SystemSection:
+def shown_tables(paths: Sequence[Sequence[str]], report: str) -> tuple[ShownTable, ...]:
+    """Tables with links to their files.
+
+    Parameters
+    ----------
+    paths : of each table its files, one of them a page of :func:`visualspeech.evaluation.forms.to_html_page`
+    report : path of the page, to which links are relative
+    """
+    return tuple(
+        ShownTable(fragment_of(read_text(path)), file_links(files, report))
+        for files in paths
+        for path in files
+        if path.endswith(".html")
+    )
+
+
+def file_links(files: Sequence[str], report: str) -> tuple[FileLink, ...]:
+    """Links to the forms of a table; of several files of one form each with its name."""
+    suffixes = [Path(path).suffix for path in files]
+    return tuple(
+        FileLink(
+            FORM_TITLES[suffix] if suffixes.count(suffix) == 1 else f"{FORM_TITLES[suffix]} ({Path(path).stem})",
+            _relative(path, report),
+        )
+        for path, suffix in zip(files, suffixes, strict=True)
+        if suffix in FORM_TITLES
+    )
+
+
+def _relative(path: str | Path, report: str) -> str:
+    return Path(path).relative_to(Path(report).parent).as_posix()
+
+
+def overviews(systems: Sequence[Mapping]) -> tuple[SystemOverview, ...]:
+    """What the overview shows of each system, on the test utterances that all of them have.
+
+    Parameters
+    ----------
+    systems : as of :func:`system_section`, with ``validation`` (name of a model -> path of its statistics), ``lips``
+        and ``costs`` (paths), and ``comparison`` and ``bootstrap`` (settings)
+    """
+    tested = [{one.id for one in of_split(read_utterances(given["utterances"]), "test")} for given in systems]
+    common, found = set.intersection(*tested) if tested else set(), []
+    for given in systems:
+        rows, names = list(map(ModelRow.of, given["rows"])), [row["name"] for row in given["rows"]]
+        lips = MeasuredRows.of(given["rows"], read_lip_tables(given["lips"], given["costs"], names)).on(common)
+        validation = {name: read_numbers(path) for name, path in given["validation"].items()}
+        settings = ComparisonSettings(**given["comparison"]), BootstrapSettings(**given["bootstrap"])
+        spoken = next((row.cell or row.name for row in rows if row.name == given["model"]), "")
+        conclusion = conclude(rows, validation, lips, *settings)
+        found.append(SystemOverview(given["name"], given["title"], pooled_rows(rows), conclusion, spoken))
+    return tuple(found)
+
+
+def pooled_rows(rows: Sequence[ModelRow]) -> dict[str, ModelRow]:
+    """Name of a cell -> its first row, as :meth:`MeasuredRows.pooled` names them."""
+    return {cell: replace(of_cell[0], name=cell) for cell, of_cell in cells_of(rows).items()}
+
+
+def overview(systems: Sequence[SystemOverview], across: str, digits: int = 3) -> dict:
+    """The figure of all systems and the short table, as :class:`ReportContent` takes them.
+
+    Parameters
+    ----------
+    across : path of the TSV of the table across systems
+    """
+    figures = figures_of(read_made_table(across, ("system", "row", "metric", "part")))
+    short = short_table(systems, figures, digits)
+    return {"bands": bands(systems, figures), "short": to_html([short]) if short else ""}
+
+
+def read_made_table(path: str, text_columns: Sequence[str]):
+    """A table with lines of facts above it (:func:`visualspeech.evaluation.forms.all_forms`) as a data frame."""
+    import pandas
+
+    lines = read_text(path).splitlines(keepends=True)
+    first = next((number for number, line in enumerate(lines) if not line.startswith("# ")), len(lines))
+    types = dict.fromkeys(text_columns, str)
+    missing = {name: [""] for name in lines[first].rstrip("\n").split("\t")} if lines[first:] else {}
+    missing = {name: cells for name, cells in missing.items() if name not in types}
+    try:
+        return pandas.read_csv(
+            io.StringIO("".join(lines[first:])), sep="\t", dtype=types, keep_default_na=False, na_values=missing
+        )
+    except ValueError as error:
+        raise DamagedFile(path, "it is no table of a run") from error
+
+
+def system_section(
+    given: Mapping, conclusion: str, alignments: Sequence[str], report: str, trajectories: int = 3
+) -> SystemSection:
     """The section of one system in the report.
 
     Parameters
     ----------
-    given : ``name`` and ``title`` of the system; ``facts`` as (name, text) pairs; and paths: ``utterances`` (the table
-        of those that its models see), ``tables`` (HTML pages), ``targets`` (shards), ``curves`` (of the ``rows``, plain
-        :class:`ModelRow`, in the same order), ``coding`` and ``reference`` (models, empty for a coding without
-        texture), ``visemes`` (pictures), ``predictions`` of the model named ``model``, ``videos`` (a folder), and
-        ``figures`` (pictures) with their ``captions``. What is empty is left out of the section
+    given : ``name`` and ``title`` of the system; ``facts`` as (name, text) pairs; ``rows`` (plain :class:`ModelRow`);
+        and paths: ``utterances`` (the table of those that its models see), ``tables`` (of each table all its files),
+        ``comparisons`` (the same of one table), ``targets`` (shards), ``curves`` (name of a row -> path), ``coding``
+        and ``reference`` (models, empty for a coding without texture), ``visemes`` (pictures), ``predictions`` of the
+        model named ``model``, ``videos`` (a folder), and ``figures`` (pictures) with their ``captions``. What is empty
+        is left out of the section
+    conclusion : the sentence on its best model
     alignments : shards of the alignment
     report : path of the page, to which links are relative
     trajectories : number of test utterances whose trajectories are shown
     """
     rows, utterances = list(map(ModelRow.of, given["rows"])), read_utterances(given["utterances"])
+    titles = {row.name: row.title for row in rows}
     with ArrayCollection(given["targets"]) as targets:
         return SystemSection(
             name=given["name"],
             title=given["title"],
+            conclusion=conclusion,
             facts=(*map(tuple, given["facts"]), ("frames", frames_text(utterances, targets))),
-            tables=fragments(given["tables"]),
-            learning_curves=learning_curves(rows, [read_table(path) for path in given["curves"]]),
+            tables=shown_tables(given["tables"], report),
+            comparisons=comparisons(given, rows, report),
+            learning_curves=learning_curves(
+                [row for row in rows if row.name in given["curves"]], list(map(read_table, given["curves"].values()))
+            ),
             trajectories=trajectory_pictures(
                 of_split(utterances, "test")[:trajectories], targets, given["predictions"], given["model"], alignments
             )
@@ -76,8 +183,22 @@ def system_section(given: Mapping, alignments: Sequence[str], report: str, traje
                 for path, caption in zip(given["figures"], given["captions"], strict=True)
             ),
             visemes=tuple(Picture(Path(path).read_bytes(), VISEMES) for path in given["visemes"]),
-            videos=videos(given["videos"], report, utterances, given["model"]) if given["videos"] else (),
+            videos=videos(
+                given["videos"], report, utterances, titles.get(given["model"], given["model"]), given["title"]
+            )
+            if given["videos"]
+            else (),
         )
+
+
+def comparisons(given: Mapping, rows: Sequence[ModelRow], report: str) -> tuple[ShownTable, ...]:
+    """All paired comparisons of a system as one table, with links to its files; none without them."""
+    for path in given["comparisons"]:
+        if path.endswith(".tsv"):
+            frame = read_made_table(path, ("metric", "first", "second", "better"))
+            table = comparison_matrix(frame, pooled_rows(rows), given["comparison"]["level"])
+            return (ShownTable(to_html([table]), file_links(given["comparisons"], report)),)
+    return ()
 
 
 def learning_curves(rows: Sequence[ModelRow], curves: Sequence) -> tuple[Picture, ...]:
@@ -88,7 +209,8 @@ def learning_curves(rows: Sequence[ModelRow], curves: Sequence) -> tuple[Picture
     for row, curve in zip(rows, curves, strict=True):
         panel = str(row.settings.get("letters", row.group)) if len(rows) > MAX_CURVES else ""
         panels.setdefault(panel, {})[row.name] = curve
-    caption = f"Learning curves of {', '.join(row.name for row in rows)}"
+    names = ", ".join(row.name for row in rows)
+    caption = f"Learning curves of {names if len(rows) <= MAX_CURVES else f'{len(rows)} networks'}"
     return (Picture(plots.learning_curves(panels), caption),)
 
 
@@ -130,14 +252,32 @@ def _to_height(picture: np.ndarray, height: int) -> np.ndarray:
     return np.pad(picture, ((0, height - picture.shape[0]), (0, 0), (0, 0)), constant_values=255)
 
 
-def videos(folder: str, report: str, utterances: Sequence[Utterance], model: str) -> tuple[Video, ...]:
-    """Links to the videos in a folder."""
-    transcripts = {one.id: one.transcript for one in utterances}
-    base = Path(report).parent
-    return tuple(
-        Video(path.relative_to(base).as_posix(), path.stem, transcripts.get(path.stem, ""), model)
-        for path in sorted(Path(folder).glob("*.mp4"))
-    )
+def test_utterances(
+    utterances: Sequence[Utterance], folder: str, systems: Sequence[SystemSection], report: str
+) -> tuple[UtteranceFiles, ...]:
+    """The test utterances with links to their alignment, their recording and their videos.
+
+    Parameters
+    ----------
+    folder : of TextGrid files with their sound
+    systems : whose videos are linked
+    report : path of the page; a recording that does not lie below its folder has no link
+    """
+    found, base = [], Path(report).parent
+    shown = {(system.title, one.utterance): one.path for system in systems for one in system.videos}
+    for one in of_split(utterances, "test"):
+        files = [(f"{folder}/{one.id}.TextGrid", "TextGrid"), (f"{folder}/{one.id}.wav", "sound")]
+        if Path(one.file).is_relative_to(base):
+            files.append((one.file, "recording"))
+        links = [FileLink(label, _relative(path, report)) for path, label in files if Path(path).is_file()]
+        links += [FileLink(title, path) for (title, name), path in shown.items() if name == one.id]
+        found.append(UtteranceFiles(one.id, one.transcript, tuple(links)))
+    return tuple(found)
+
+
+def folder_links(folders: Sequence[str], report: str) -> tuple[FileLink, ...]:
+    """Links to folders, each with its own name."""
+    return tuple(FileLink(Path(path).name, f"{_relative(path, report)}/") for path in folders)
 
 
 def split_sizes(utterances: Sequence[Utterance]) -> dict[str, int]:

@@ -134,6 +134,11 @@ class MeasuredRows:
         """Name of a row -> its title."""
         return {row.name: row.title for row in self.rows}
 
+    def title(self, row: ModelRow) -> str:
+        """Title of a row in a table in which pooled rows stand beside others."""
+        count = len(self.repeated(row.name))
+        return f"{row.title} ({count} seeds)" if count > 1 else row.title
+
     def where(self, wanted: Callable[[ModelRow], bool]) -> "MeasuredRows":
         """The rows for which a condition holds."""
         kept = tuple(row for row in self.rows if wanted(row))
@@ -161,6 +166,21 @@ class MeasuredRows:
         rows = tuple(replace(of_cell[0], name=cell) for cell, of_cell in cells.items())
         repetitions = {cell: tuple(self.tables[row.name] for row in of_cell) for cell, of_cell in cells.items()}
         return MeasuredRows(rows, {cell: _mean(tables) for cell, tables in repetitions.items()}, repetitions)
+
+    def single(self) -> "MeasuredRows | None":
+        """The rows of the cells that have several, each with its seed in name and title; None if there are none.
+
+        The first row of a cell has the cell's name, which is that of the pooled row as well.
+        """
+        found = [
+            (replace(row, name=f"{cell}-s{row.seed}", title=f"{row.title}, seed {row.seed}"), self.tables[row.name])
+            for cell, of_cell in self.cells().items()
+            for row in of_cell
+            if len(of_cell) > 1
+        ]
+        return (
+            MeasuredRows(tuple(row for row, _ in found), {row.name: table for row, table in found}) if found else None
+        )
 
     def mean_and_deviation(self, rows: Sequence[ModelRow], metric: str) -> tuple[float, float]:
         """Mean of a corpus figure over repetitions and its sample standard deviation, NaN for a single repetition."""

@@ -79,6 +79,8 @@ def learning_curves(panels: Mapping[str, Mapping[str, object]]) -> bytes:
     bytes
         a PNG
     """
+    from matplotlib.ticker import LogLocator, NullFormatter
+
     groups = panels or {"": {}}
     curves = [curve for panel in groups.values() for curve in panel.values()]
     across = min(4, len(groups))
@@ -102,6 +104,11 @@ def learning_curves(panels: Mapping[str, Mapping[str, object]]) -> bytes:
         finite = finite[np.isfinite(finite)]
         if len(finite) and 0 < finite.min() < finite.max() / 20:
             grid[0, 0].set_yscale("log")
+            for axes in grid.flat:
+                # Numbers as they are: powers would be formulae, which are switched off.
+                axes.yaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
+                axes.yaxis.set_major_formatter("{x:g}")
+                axes.yaxis.set_minor_formatter(NullFormatter())
         figure.supxlabel("epoch", fontsize=10)
         figure.supylabel("error", fontsize=10)
         figure.suptitle("Validation error (solid), training error (dashed), best epoch (dot)", x=0.01, ha="left")

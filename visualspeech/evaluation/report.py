@@ -1,4 +1,4 @@
-"""The report of a run: one self-contained HTML page that makes no network requests."""
+"""The report of a run: one HTML page that makes no network requests."""
 
 import base64
 from collections.abc import Mapping
@@ -8,12 +8,19 @@ from urllib.parse import quote
 
 from visualspeech.corpora.findings import REJECT, Finding
 from visualspeech.corpora.split import SPLITS
-from visualspeech.evaluation.timings import StageTiming
+from visualspeech.evaluation.overview import Band
+from visualspeech.evaluation.overview_figure import OverviewFigure, overview_figure
+from visualspeech.evaluation.timings import StageTiming, by_stage
 
 TEMPLATES = Path(__file__).parent / "templates"
 
-#: Maximum number of findings shown, so that the page of a corpus with thousands of findings still opens in a browser.
+#: Maximum number of findings and of utterances shown, so that the page of a large corpus still opens in a browser.
 MAX_FINDINGS = 500
+MAX_UTTERANCES = 200
+#: Number of test utterances below which the page warns that figures are rough.
+FEW_UTTERANCES = 20
+#: Sections of the settings that hold one entry per corpus, visual coding or system.
+NAMED = {"corpora": "Corpus", "codings": "Visual coding", "systems": "System"}
 
 #: What the results of a run depend on besides the user's recordings: (what, source, terms).
 LICENCES = (
@@ -55,40 +62,74 @@ class Picture:
 
 
 @dataclass(frozen=True)
+class FileLink:
+    """A link to a file: its label, and its path relative to the report, with forward slashes."""
+
+    label: str
+    path: str
+
+
+@dataclass(frozen=True)
+class ShownTable:
+    """A table in the report: HTML of :func:`visualspeech.evaluation.forms.to_html`, and its files in other forms."""
+
+    html: str
+    files: tuple[FileLink, ...] = ()
+
+
+@dataclass(frozen=True)
 class Video:
-    """A video that the report links to.
+    """A video in the report.
 
     Parameters
     ----------
     path : relative to the report, with forward slashes
     utterance, transcript : what is said in it
-    model : whose prediction it shows
+    model, system : whose prediction it shows
+    still : bytes of a JPEG, shown until the video plays; empty: the video is a link
+    content : bytes of the MP4, to embed it in the page; empty: the page reads the file
     """
 
     path: str
     utterance: str
     transcript: str = ""
     model: str = ""
+    system: str = ""
+    still: bytes = b""
+    content: bytes = b""
+
+
+@dataclass(frozen=True)
+class UtteranceFiles:
+    """A test utterance with links to its files."""
+
+    id: str
+    transcript: str
+    files: tuple[FileLink, ...] = ()
 
 
 @dataclass(frozen=True)
 class SystemSection:
-    """The section of one system; empty fields are left out.
+    """What the report shows of one system; empty fields are left out.
 
     Parameters
     ----------
     name : of the system, unique in the report
     title : for people
+    conclusion : a sentence on its best model (:mod:`visualspeech.evaluation.conclusions`)
     facts : (name, text) pairs: frame rate, visual coding, ...
-    tables : result tables as HTML, from :func:`visualspeech.evaluation.forms.to_html`; the first is the main one
+    tables : result tables; the first is the main one
+    comparisons : all paired comparisons as one table
     learning_curves, trajectories, modes, visemes, figures : pictures
-    videos : links
+    videos : of test utterances
     """
 
     name: str
     title: str
+    conclusion: str = ""
     facts: tuple[tuple[str, str], ...] = ()
-    tables: tuple[str, ...] = ()
+    tables: tuple[ShownTable, ...] = ()
+    comparisons: tuple[ShownTable, ...] = ()
     learning_curves: tuple[Picture, ...] = ()
     trajectories: tuple[Picture, ...] = ()
     modes: tuple[Picture, ...] = ()
@@ -106,11 +147,16 @@ class ReportContent:
     corpus : name
     split_hash : from :func:`visualspeech.provenance.split_hash`
     systems : one section per system
-    tables : comparisons across systems as HTML
+    strip : videos at the top
+    bands : the figure of all systems
+    short : the short table as HTML; empty for none
+    tables : comparisons across systems
     consent : whose face the corpus shows and by what permission, from its settings; if empty, the report warns
     utterances : name of a split -> number of accepted utterances
+    test : test utterances with their files
+    folders : links to folders of recordings and alignments
     findings : rejections and warnings of all stages
-    timings : cost of the stages
+    timings : cost of the rules
     settings : all settings of the run (plain data)
     versions : name of a program or library -> version
     commit, date, command : of the run that made the report; empty if not known
@@ -120,9 +166,14 @@ class ReportContent:
     corpus: str
     split_hash: str
     systems: tuple[SystemSection, ...] = ()
-    tables: tuple[str, ...] = ()
+    strip: tuple[Video, ...] = ()
+    bands: tuple[Band, ...] = ()
+    short: str = ""
+    tables: tuple[ShownTable, ...] = ()
     consent: str = ""
     utterances: Mapping[str, int] = field(default_factory=dict)
+    test: tuple[UtteranceFiles, ...] = ()
+    folders: tuple[FileLink, ...] = ()
     findings: tuple[Finding, ...] = ()
     timings: tuple[StageTiming, ...] = ()
     settings: Mapping = field(default_factory=dict)
@@ -132,13 +183,18 @@ class ReportContent:
     command: str = ""
     licences: tuple[tuple[str, str, str], ...] = LICENCES
 
+    @property
+    def figure(self) -> OverviewFigure:
+        """The figure of all systems as it is drawn."""
+        return overview_figure(self.bands)
+
 
 def render_report(content: ReportContent) -> str:
     """The report as the text of an HTML page.
 
-    Pictures are embedded in the page; videos are links to files beside it. All text is escaped, because transcripts,
-    file names and settings may come from untrusted sources, and a content-security policy forbids scripts and outside
-    addresses. The same content gives the same text.
+    Pictures and small videos are embedded in the page; larger videos are files beside it. All text is escaped, because
+    transcripts, file names and settings may come from untrusted sources, and a content-security policy forbids scripts
+    and outside addresses. The same content gives the same text.
     """
     from jinja2 import Environment, FileSystemLoader, StrictUndefined
     from markupsafe import Markup
@@ -156,25 +212,35 @@ def render_report(content: ReportContent) -> str:
     }  # fmt: skip
     rejected = [one for one in content.findings if one.level == REJECT]
     warnings = [one for one in content.findings if one.level != REJECT]
+    timings = by_stage(content.timings)
     return environment.get_template("report.html").render(
         content=content,
         rejected=rejected,
         rejected_utterances=len({one.id for one in rejected}),
         warnings=warnings,
         most=MAX_FINDINGS,
-        settings=_settings_text(content.settings),
-        total=sum(timing.seconds for timing in content.timings),
+        most_utterances=MAX_UTTERANCES,
+        few=content.utterances.get("test", FEW_UTTERANCES) < FEW_UTTERANCES,
+        few_utterances=FEW_UTTERANCES,
+        settings=_settings_texts(content.settings),
+        timings=timings,
+        total=sum(timing.seconds for timing in timings),
         splits=[name for name in SPLITS if name in content.utterances],
         made=[
             (name, text)
-            for name, text in (("commit", content.commit), ("date", content.date), ("command", content.command))
+            for name, text in (
+                ("version", content.versions.get("visualspeech", "")),
+                ("commit", content.commit),
+                ("date", content.date),
+                ("command", content.command),
+            )
             if text
         ],
     )
 
 
-def _data_address(png: bytes) -> str:
-    return "data:image/png;base64," + base64.b64encode(png).decode("ascii")
+def _data_address(content: bytes, kind: str = "image/png") -> str:
+    return f"data:{kind};base64," + base64.b64encode(content).decode("ascii")
 
 
 def _link(path: str) -> str:
@@ -191,7 +257,23 @@ def _count(number: int, unit: str, plural: str = "") -> str:
     return f"{_figure(number)} {unit if number == 1 else plural or unit + 's'}"
 
 
-def _settings_text(settings: Mapping) -> str:
+def _settings_texts(settings: Mapping) -> list[tuple[str, str]]:
+    """(heading, YAML) of the settings of the run, and of each corpus, visual coding and system.
+
+    The rows of a system are its models with all their settings; they have a text of their own.
+    """
+    named = {key: settings[key] for key in NAMED if isinstance(settings.get(key), Mapping)}
+    texts = [("Run", {key: value for key, value in settings.items() if key not in named})]
+    for key, entries in named.items():
+        for name, entry in entries.items():
+            rows = entry.get("rows") if isinstance(entry, Mapping) else None
+            own = {inner: value for inner, value in entry.items() if inner != "rows"} if rows else entry
+            texts.append((f"{NAMED[key]} {name}", own))
+            texts += [(f"Models of {name}, with all their settings", {"rows": rows})] if rows else []
+    return [(heading, _yaml(value)) for heading, value in texts if value]
+
+
+def _yaml(settings) -> str:
     import yaml
 
     return yaml.safe_dump(_plain(settings), sort_keys=True, allow_unicode=True, default_flow_style=None, width=100)

@@ -164,13 +164,12 @@ def summarise(measured: MeasuredRows, metrics: Sequence[str], settings: Bootstra
     import pandas
 
     chosen = [metric_named(name) for name in metrics]
-    base = measured.tables[measured.base.name]
     drawn = draws(measured.utterances, settings)
-    below = {metric.name: sample(base, metric, drawn) for metric in chosen}
+    below = {metric.name: sample_row(measured, measured.base.name, metric, drawn, settings) for metric in chosen}
     lines = []
-    for row, table in measured.tables.items():
+    for row in measured.tables:
         for metric in chosen:
-            sampled = sample(table, metric, drawn)
+            sampled = sample_row(measured, row, metric, drawn, settings)
             own = figure(sampled, settings.level)
             ratio = NO_FIGURE
             if metric.is_error:

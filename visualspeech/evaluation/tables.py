@@ -62,9 +62,11 @@ def result_tables(
     Returns
     -------
     tuple
-        a data frame with one line per row (column ``row``) and the columns ``metric``, ``metric_low``, ``metric_high``,
+        a data frame with one line per row (column ``row``), where repetitions are pooled to one row and each stands
+        below as well under the name ``<cell>-s<seed>``, and the columns ``metric``, ``metric_low``, ``metric_high``,
         ``metric_ratio``, ``metric_ratio_low``, ``metric_ratio_high`` of each measure, as text rounded to the digits
-        shown; and :class:`Table`: for each protocol the figures, and ratios to the training mean
+        shown; and :class:`Table`: for each protocol the figures, ratios to the training mean, and, where rows have
+        several seeds, the figures of each
 
     Raises
     ------
@@ -72,20 +74,43 @@ def result_tables(
         As :func:`visualspeech.evaluation.statistics.summarise`.
     """
     settings, bootstrap = settings or TableSettings(), bootstrap or BootstrapSettings()
-    metrics = tuple(measured.metrics(settings.metrics))
-    summary = summarise(measured, [metric.name for metric in metrics], bootstrap)
-    digits = {part: settings.ratio_digits if part.startswith("ratio") else settings.digits for part in PARTS}
-    cells = {
-        (line.row, line.metric): {part: shown(getattr(line, part), digits[part]) for part in PARTS}
-        for line in summary.itertuples()
-    }
+    metrics, seeds, pooled = tuple(measured.metrics(settings.metrics)), measured.single(), measured.pooled()
+    cells = _cells(pooled, metrics, settings, bootstrap)
+    each = seeds and _cells(_with_base(seeds, measured), metrics, settings, bootstrap)
     tables = []
     for protocol, text in PROTOCOLS.items():
         part = tuple(metric for metric in metrics if metric.protocol == protocol)
         if part:
-            lines = (*facts, ("protocol", text), ("intervals", bootstrap.text(measured)), *_undefined(measured, part))
-            tables += _pair(measured, part, cells, f"Objective measures, {protocol}", lines)
-    return _frame(measured, metrics, cells), tuple(tables)
+            lines = (*facts, ("protocol", text), ("intervals", bootstrap.text(pooled)), *_undefined(pooled, part))
+            tables += _pair(pooled, part, cells, f"Objective measures, {protocol}", lines)
+            tables += [_of_seeds(seeds, part, each, f"Objective measures, {protocol}")] if seeds else []
+    frames = [_frame(pooled, metrics, cells)] + ([_frame(seeds, metrics, each)] if seeds else [])
+    return _joined(frames), tuple(tables)
+
+
+def _cells(measured: MeasuredRows, metrics, settings: TableSettings, bootstrap: BootstrapSettings) -> Mapping:
+    """(row, measure) -> part of the summary -> text."""
+    digits = {part: settings.ratio_digits if part.startswith("ratio") else settings.digits for part in PARTS}
+    return {
+        (line.row, line.metric): {part: shown(getattr(line, part), digits[part]) for part in PARTS}
+        for line in summarise(measured, [metric.name for metric in metrics], bootstrap).itertuples()
+    }
+
+
+def _with_base(seeds: MeasuredRows, measured: MeasuredRows) -> MeasuredRows:
+    """The seeds and the training mean, to which ratios are taken."""
+    base = measured.base
+    return MeasuredRows((*seeds.rows, base), {**seeds.tables, base.name: measured.tables[base.name]})
+
+
+def _of_seeds(seeds: MeasuredRows, metrics, cells: Mapping, title: str) -> Table:
+    """The figures of each seed of the pooled rows."""
+    return Table(
+        f"{title}: each seed",
+        tuple(metric.heading for metric in metrics),
+        _rows(seeds, metrics, cells, "value", frozenset()),
+        notes=("Intervals are over utterances alone.",),
+    )
 
 
 def _pair(measured: MeasuredRows, metrics, cells: Mapping, title: str, facts) -> tuple[Table, Table]:
@@ -122,7 +147,7 @@ def _rows(measured: MeasuredRows, metrics, cells, part: str, best: frozenset) ->
     low, high = ("low", "high") if part == "value" else ("ratio_low", "ratio_high")
     return tuple(
         Row(
-            row.title,
+            measured.title(row),
             tuple(
                 Cell(cell[part], interval(cell[low], cell[high]), best=(row.name, metric.name) in best)
                 for metric in metrics
@@ -145,12 +170,18 @@ def _frame(measured: MeasuredRows, metrics, cells):
     return pandas.DataFrame(columns)
 
 
+def _joined(frames: Sequence):
+    import pandas
+
+    return frames[0] if len(frames) == 1 else pandas.concat(frames, ignore_index=True)
+
+
 def _undefined(measured: MeasuredRows, metrics) -> tuple[tuple[str, str], ...]:
     """The number of frames with undefined correlation by row; empty if there are none."""
     if not any(metric.name == "corr" for metric in metrics):
         return ()
-    counts = {row.title: int(measured.tables[row.name]["corr_undefined"].sum()) for row in measured.rows}
-    text = ", ".join(f"{title} {count}" for title, count in counts.items() if count)
+    counts = {row.title: measured.tables[row.name]["corr_undefined"].sum() for row in measured.rows}
+    text = ", ".join(f"{title} {count:.4g}" for title, count in counts.items() if count)
     return (("frames with undefined correlation, counted as 0", text),) if text else ()
 
 

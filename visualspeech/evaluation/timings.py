@@ -34,6 +34,18 @@ class StageTiming:
         return self.frames / self.seconds if self.frames and self.seconds > 0 else float("nan")
 
 
+#: Stages of a run for people, and the rules of each; other rules are stages by themselves.
+STAGES = {
+    "Demo corpus": ("record_demo",),
+    "Check of recordings": ("check_recordings",),
+    "Alignment": ("align_speech", "export_alignment"),
+    "Faces": ("track_landmarks", "fit_head", "normalise_pose", "read_motion"),
+    "Visual codings": ("fit_reference", "fit_aam", "sample_textures", "fit_faces", "encode_appearance", "fit_markers",
+                       "encode_markers"),
+    "Training": ("train_model",),
+    "Prediction": ("predict_model",),
+    "Videos": ("render_videos", "render_markers"),
+}  # fmt: skip
 #: Name of the folders that hold the benchmark files of jobs.
 FOLDER = "benchmarks"
 
@@ -64,6 +76,29 @@ def read_timings(paths: Iterable[str | Path], frames: Mapping[str, int] | None =
             ended = max(path.stat().st_mtime for path, _ in measured)
             found.append((ended, _stage(stage, [cost for _, cost in measured], (frames or {}).get(stage, 0))))
     return tuple(timing for _, timing in sorted(found, key=lambda one: (one[0], one[1].stage)))
+
+
+def by_stage(timings: Iterable[StageTiming]) -> tuple[StageTiming, ...]:
+    """The cost of whole stages (:data:`STAGES`), in that order, from that of their rules.
+
+    Frames are those of the rule that processes most of them.
+    """
+    groups: dict[str, list[StageTiming]] = {name: [] for name in STAGES}
+    names = {rule: name for name, rules in STAGES.items() for rule in rules}
+    for timing in timings:
+        groups.setdefault(names.get(timing.stage, timing.stage), []).append(timing)
+    return tuple(
+        StageTiming(
+            name,
+            sum(one.jobs for one in group),
+            sum(one.seconds for one in group),
+            max(one.longest for one in group),
+            float(np.fmax.reduce([one.memory for one in group])),
+            max(one.frames for one in group),
+        )
+        for name, group in groups.items()
+        if group
+    )
 
 
 def _stage(name: str, jobs: list[tuple[float, float]], frames: int) -> StageTiming:

@@ -225,7 +225,9 @@ def plan_run(config: Mapping, folder: Path) -> Plan:
     """
     settings = resolve(config, folder)
     corpora = {
-        name: plan_corpus(corpus, settings["shards"], settings["split"], settings["seed"], settings["results"])
+        name: plan_corpus(
+            corpus, corpus["shards"] or settings["shards"], settings["split"], settings["seed"], settings["results"]
+        )
         for name, corpus in settings["corpora"].items()
     }
     pairs, skipped = [], []

@@ -108,10 +108,16 @@ def reported(wildcards):
             "name": one.system,
             "title": system_of(one)["title"] or one.system,
             "facts": list(facts_of(one).items()),
-            "tables": filled("<system>/tables/{table}.html", one, table=tables_of(one)),
+            "tables": [forms_of(one, name) for name in tables_of(one) if name != "comparisons"],
+            "comparisons": forms_of(one, "comparisons"),
+            "comparison": system_of(one)["tables"]["comparison"],
+            "bootstrap": {**system_of(one)["tables"]["bootstrap"], "seed": SEED},
+            "lips": filled("<system>/lips_camera.tsv", one)[0],
+            "costs": filled("<system>/costs.tsv", one)[0],
             "targets": shards("<system>/targets/{shard}.h5")(one),
-            "rows": [row.plain() for row in curved_rows(one.system)],
-            "curves": filled("<model>/learning_curve.tsv", one, model=[row.name for row in curved_rows(one.system)]),
+            "rows": [row.plain() for row in rows_of(one.system)],
+            "validation": of_models("validation.tsv", one, rows_of(one.system, ("model",))),
+            "curves": of_models("learning_curve.tsv", one, curved_rows(one.system)),
             "utterances": of_coding("utterances.tsv")(one),
             "findings": of_coding("findings.tsv")(one),
             # An AAM, whose modes are shown.
@@ -128,21 +134,44 @@ def reported(wildcards):
     ]
 
 
+def forms_of(one, table):
+    """All files of a table of a system on a corpus."""
+    return [path for form in FORMS for path in filled(f"<system>/tables/{table}{form}", one)]
+
+
+def of_models(file, one, rows):
+    """A file of each of some rows of a system on a corpus, by the rows' names."""
+    return {row.name: filled(f"<model>/{file}", one, model=row.name)[0] for row in rows}
+
+
 def curved_rows(system):
     """Rows whose training has a learning curve over epochs."""
     return [row for row in rows_of(system) if row.training]
 
 
+#: Keys of :func:`reported` that hold paths, lists of them, or mappings to them.
+REPORTED_FILES = ("tables", "comparisons", "lips", "costs", "targets", "validation", "curves", "utterances", "findings",
+                  "coding", "reference", "visemes", "predictions", "videos", "figures")  # fmt: skip
+
+
 def reported_files(wildcards):
     """Every file that :func:`reported` names."""
-    files = []
-    for one in reported(wildcards):
-        for value in one.values():
-            values = value if isinstance(value, list) else [value]
-            files += [path for path in values if isinstance(path, str) and path.startswith(SETTINGS["results"])]
-    return list(dict.fromkeys(files))
+    paths = [path for one in reported(wildcards) for key in REPORTED_FILES for path in texts_in(one[key])]
+    return list(filter(None, dict.fromkeys(paths)))
+
+
+def texts_in(value):
+    """All texts in nested lists and mappings, without the keys."""
+    inner = value.values() if isinstance(value, dict) else value if isinstance(value, list) else ()
+    return [value] if isinstance(value, str) else [text for one in inner for text in texts_in(one)]
 
 
 def reported_settings(wildcards):
-    """The settings that a report shows: all that is in effect."""
-    return {key: value for key, value in SETTINGS.items() if key != "override"}
+    """The settings that a report shows: all that is in effect for its corpus, defaults included."""
+    named = {
+        "corpora": [wildcards.corpus],
+        "systems": PLAN.systems(wildcards.corpus),
+        "codings": PLAN.codings(wildcards.corpus),
+    }
+    parts = {key: {name: SETTINGS[key][name] for name in names} for key, names in named.items()}
+    return {key: parts.get(key, value) for key, value in SETTINGS.items() if key != "override"}

@@ -2,6 +2,13 @@
 FORMS = (".tsv", ".md", ".tex", ".html")
 
 
+def table_files(stem, table, system="{system}"):
+    """Output files of a table, in the order of :data:`FORMS`; its page also stands in the report of Snakemake."""
+    labels = {"system": system, "table": table}
+    shown = {"category": "{corpus}", "subcategory": "Tables", "labels": labels, "caption": "../report/table.rst"}
+    return [report(path, **shown) if path.endswith(".html") else path for path in multiext(stem, *FORMS)]
+
+
 def facts_of(wildcards):
     """What every table of a system says that it was computed on, beside what the files tell."""
     coding = coding_of(wildcards)

@@ -7,7 +7,14 @@ rule render_markers:
         parameters=of_coding_shards("parameters/{shard}.h5"),
         audio=shards("<corpus>/audio/{shard}.h5"),
     output:
-        directory("<marker_system>/videos"),
+        report(
+            directory("<marker_system>/videos"),
+            patterns=["{utterance}.mp4"],
+            category="{corpus}",
+            subcategory="Videos",
+            labels={"system": "{system}", "utterance": "{utterance}"},
+            caption="../report/video.rst",
+        ),
     log:
         "<system>/logs/render_markers.log",
     benchmark:

@@ -42,7 +42,7 @@ rule tally_preference:
         key="<system>/preference_key.tsv",
         answers=answers_of,
     output:
-        multiext("<system>/tables/preference", *FORMS),
+        table_files("<system>/tables/preference", "preference"),
     log:
         "<system>/logs/tally_preference.log",
     params:

@@ -4,12 +4,19 @@ rule write_report:
         utterances="<corpus>/utterances.tsv",
         findings="<corpus>/findings.tsv",
         alignment=shards("<corpus>/alignment/{shard}.tsv"),
+        exports=expand("<corpus>/alignment/{form}", form=["textgrid", "htk", "hts"], allow_missing=True),
         faces=recorded_faces,
-        tables=["<corpus>/tables/systems.html"],
+        across=multiext("<corpus>/tables/systems", *FORMS),
         files=reported_files,
         benchmarks=benchmarks_of,
     output:
-        "<corpus>/report.html",
+        report(
+            "<corpus>/report.html",
+            category="{corpus}",
+            subcategory="Report",
+            labels={"system": "all", "page": "report"},
+            caption="../report/page.rst",
+        ),
     log:
         "<corpus>/logs/write_report.log",
     params:

@@ -53,7 +53,7 @@ rule tabulate_results:
         coding=of_coding("model.safetensors"),
         statistics=statistics_of(),
     output:
-        multiext("<system>/tables/objective", *FORMS),
+        table_files("<system>/tables/objective", "objective"),
     log:
         "<system>/logs/tabulate_results.log",
     params:
@@ -75,7 +75,7 @@ rule tabulate_articulation:
         lips="<system>/lips.tsv",
         statistics=statistics_of(),
     output:
-        multiext("<system>/tables/articulation", *FORMS),
+        table_files("<system>/tables/articulation", "articulation"),
     log:
         "<system>/logs/tabulate_articulation.log",
     params:
@@ -98,7 +98,7 @@ rule tabulate_resting:
         targets=shards("<system>/targets/{shard}.h5"),
         predictions=predictions_of_rows(("model",)),
     output:
-        multiext("<system>/tables/resting", *FORMS),
+        table_files("<system>/tables/resting", "resting"),
     log:
         "<system>/logs/tabulate_resting.log",
     params:
@@ -119,7 +119,7 @@ rule tabulate_topologies:
         coding=of_coding("model.safetensors"),
         statistics=statistics_of(names=of_topologies),
     output:
-        multiext("<system>/tables/topologies", *FORMS),
+        table_files("<system>/tables/topologies", "topologies"),
     log:
         "<system>/logs/tabulate_topologies.log",
     params:
@@ -139,7 +139,7 @@ rule compare_models:
         coding=of_coding("model.safetensors"),
         statistics=statistics_of(("model", "baseline")),
     output:
-        multiext("<system>/tables/comparisons", *FORMS),
+        table_files("<system>/tables/comparisons", "comparisons"),
     log:
         "<system>/logs/compare_models.log",
     params:
@@ -162,7 +162,7 @@ rule tabulate_gains:
         statistics=statistics_of(names=of_gains),
         validation=of_rows("validation.tsv", lambda system: system["tables"]["gains"]["candidates"]),
     output:
-        multiext("<system>/tables/gains", *FORMS),
+        table_files("<system>/tables/gains", "gains"),
     log:
         "<system>/logs/tabulate_gains.log",
     params:
@@ -187,7 +187,7 @@ rule tabulate_ablation:
         coding=of_coding("model.safetensors"),
         statistics=statistics_of(names=of_ablation),
     output:
-        multiext("<system>/tables/ablation", *FORMS),
+        table_files("<system>/tables/ablation", "ablation"),
     log:
         "<system>/logs/tabulate_ablation.log",
     params:
@@ -209,7 +209,7 @@ rule tabulate_selection:
         coding=of_coding("model.safetensors"),
         statistics=statistics_of_selection,
     output:
-        multiext("<system>/tables/{selection}", *FORMS),
+        table_files("<system>/tables/{selection}", "{selection}"),
     log:
         "<system>/logs/tabulate_selection/{selection}.log",
     wildcard_constraints:
@@ -237,7 +237,7 @@ rule tabulate_regions:
         models=of_trained("model.safetensors"),
         curves=of_trained("learning_curve.tsv"),
     output:
-        multiext("<system>/tables/regions", *FORMS),
+        table_files("<system>/tables/regions", "regions"),
     log:
         "<system>/logs/tabulate_regions.log",
     params:
@@ -261,7 +261,7 @@ rule tabulate_emotions:
         coding=of_coding("model.safetensors"),
         statistics=of_rows("statistics.tsv", of_emotions),
     output:
-        tables=multiext("<system>/tables/emotions", *FORMS),
+        tables=table_files("<system>/tables/emotions", "emotions"),
         figure="<system>/figures/emotions.png",
     log:
         "<system>/logs/tabulate_emotions.log",
@@ -342,7 +342,7 @@ rule tabulate_systems:
         statistics=of_systems(statistics_of(file="camera.tsv")),
         lips=of_systems(lambda wildcards: filled("<system>/{file}.tsv", wildcards, file=["lips_camera", "costs"])),
     output:
-        multiext("<corpus>/tables/systems", *FORMS),
+        table_files("<corpus>/tables/systems", "systems", system="all"),
     log:
         "<corpus>/logs/tabulate_systems.log",
     params:

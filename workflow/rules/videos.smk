@@ -10,7 +10,14 @@ rule render_videos:
         parameters=of_coding_shards("parameters/{shard}.h5"),
         textures=faces,
     output:
-        directory("<aam_system>/videos"),
+        report(
+            directory("<aam_system>/videos"),
+            patterns=["{utterance}.mp4"],
+            category="{corpus}",
+            subcategory="Videos",
+            labels={"system": "{system}", "utterance": "{utterance}"},
+            caption="../report/video.rst",
+        ),
     log:
         "<system>/logs/render_videos.log",
     benchmark:

@@ -48,7 +48,7 @@ rule tabulate_viseme_numbers:
             "<system>/visemes/{classes}.tsv", wildcards, classes=system_of(wildcards)["viseme_numbers"]["classes"]
         ),
     output:
-        multiext("<system>/tables/viseme_numbers", *FORMS),
+        table_files("<system>/tables/viseme_numbers", "viseme_numbers"),
     log:
         "<system>/logs/tabulate_viseme_numbers.log",
     params:

@@ -1,5 +1,7 @@
 """Closures and the opening of the lips on signals whose answers are known."""
 
+import dataclasses
+
 import numpy as np
 import pandas
 import pytest
@@ -264,3 +266,15 @@ def test_measures_of_the_result_table_are_others():
     assert not set(METRICS) & set(ARTICULATION)
     with pytest.raises(Exception, match="unknown metric"):
         corpus_figure(table_of(1.0), "opening_sd")
+
+
+def test_seeds_of_a_network_are_one_row():
+    found = measured(
+        (stack("FBB-128", "FBB", 128), table_of(0.8)),
+        (dataclasses.replace(stack("FBB-128-s2", "FBB", 128, 2), title="FBB-128"), table_of(0.6)),
+    )
+    frame, (table,) = articulation_tables(found, TARGETS, ())
+    assert list(frame["row"]) == ["FBB-128", RECORDED] and table.rows[0].title == "FBB-128 (2 seeds)"
+    low, high = float(frame["opening_sd_low"][0]), float(frame["opening_sd_high"][0])
+    assert low == pytest.approx(0.6, abs=0.01) and high == pytest.approx(0.8, abs=0.01)
+    assert frame["closure_bilabial"][1] == f"{corpus_figure_of(table_of(1.0)):.3f}"

@@ -1,5 +1,6 @@
 """The result table: its rows, its marks, its ratios, and the same figures in every form."""
 
+import dataclasses
 import re
 
 import numpy as np
@@ -156,3 +157,36 @@ def test_a_new_measure_is_one_entry(monkeypatch):
 
 def test_same_input_same_text():
     assert all_forms(*made(), "t") == all_forms(*made(), "t")
+
+
+def titled(name, seed):
+    return dataclasses.replace(stack(name, "FBB", 128, seed), title="FBB-128")
+
+
+def repeated_rows():
+    return measured(
+        (titled("FBB-128", 1), statistics(ERRORS, 0.7, 0.8, undefined=1)),
+        (titled("FBB-128-s2", 2), statistics(1.2 * ERRORS, 0.5, 0.6)),
+        (stack("BFF-128", "BFF", 128), statistics(1.15 * ERRORS, 0.7, 1.3)),
+        ("training_mean", statistics(2.0 * ERRORS, 0.0, 0.0)),
+    )
+
+
+def test_seeds_are_pooled_and_shown_one_by_one_below():
+    frame, (figures, ratios, each) = made(found=repeated_rows())
+    assert [row.title for row in figures.rows] == ["FBB-128 (2 seeds)", "BFF-128", "Training mean"]
+    assert [row.title for row in ratios.rows] == [row.title for row in figures.rows]
+    assert [row.title for row in each.rows] == ["FBB-128, seed 1", "FBB-128, seed 2"]
+    assert list(frame["row"]) == ["FBB-128", "BFF-128", "training_mean", "FBB-128-s1", "FBB-128-s2"]
+    assert "utterances and seeds" in dict(figures.facts)["intervals"]
+    assert dict(figures.facts)["frames with undefined correlation, counted as 0"] == "FBB-128 3"
+    figure = {row.row: row for row in frame.itertuples()}
+    single = [float(figure[f"FBB-128-s{seed}"].rmse_shape) for seed in (1, 2)]
+    assert float(figure["FBB-128"].rmse_shape) == pytest.approx(np.mean(single), abs=1e-3)
+    assert float(figure["FBB-128-s2"].rmse_shape_ratio) == pytest.approx(0.6, abs=1e-3)
+    assert cell(each, "FBB-128, seed 2", "RMSE(shape)").text == figure["FBB-128-s2"].rmse_shape
+    # The seeds differ more than the utterances do.
+    assert float(figure["FBB-128"].corr_high) > 0.65 > 0.55 > float(figure["FBB-128"].corr_low)
+    assert not any(c.best for row in each.rows for c in row.cells)
+    for text in all_forms(frame, (figures, ratios, each), "Objective measures"):
+        assert "FBB-128, seed 2" in text or "FBB-128-s2" in text

@@ -2,10 +2,12 @@
 
 import math
 import os
+import re
 
 import pytest
 
-from visualspeech.evaluation.timings import StageTiming, read_timings, stage_of
+from tests.paths import REPOSITORY
+from visualspeech.evaluation.timings import STAGES, StageTiming, by_stage, read_timings, stage_of
 
 HEADER = "s\th:m:s\tmax_rss\tmax_vms\n"
 
@@ -56,3 +58,25 @@ def test_half_written_tables_are_left_out(tmp_path):
     for name, text in texts.items():
         write(tmp_path / f"{name}.tsv", text, 1)
     assert read_timings(tmp_path / f"{name}.tsv" for name in texts) == ()
+
+
+def test_rules_are_gathered_into_stages():
+    timings = [
+        StageTiming("train_model", 20, 300.0, 40.0, 500.0),
+        StageTiming("check_recordings", 4, 2.0, 0.6, float("nan"), 1000),
+        StageTiming("track_landmarks", 4, 10.0, 3.0, 200.0, 1000),
+        StageTiming("normalise_pose", 4, 10.0, 4.0, float("nan"), 1000),
+        StageTiming("of_a_plugin", 1, 1.0, 1.0, 10.0),
+    ]
+    found = by_stage(timings)
+    assert [one.stage for one in found] == ["Check of recordings", "Faces", "Training", "of_a_plugin"]
+    faces = found[1]
+    assert (faces.jobs, faces.seconds, faces.longest, faces.memory) == (8, 20.0, 4.0, 200.0)
+    assert faces.frames_per_second == 50 and math.isnan(found[0].memory)
+    assert sum(one.seconds for one in found) == sum(one.seconds for one in timings) and by_stage([]) == ()
+
+
+def test_the_rules_of_the_stages_exist():
+    texts = [path.read_text() for path in (REPOSITORY / "workflow" / "rules").glob("*.smk")]
+    rules = {name for text in texts for name in re.findall(r"^rule (\w+):", text, re.MULTILINE)}
+    assert {rule for group in STAGES.values() for rule in group} <= rules

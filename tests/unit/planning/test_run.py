@@ -103,6 +103,12 @@ def test_a_run_has_all_defaults():
     assert resolved({"override": {}}) == settings
 
 
+def test_a_corpus_may_have_shards_of_its_own():
+    own = planned({"corpora": ["demo"], "shards": 7}).corpora["demo"].shards
+    run = planned({"corpora": [{"name": "other", "adapter": "demo"}], "shards": 7}).corpora["other"].shards
+    assert own == ["0", "1"] and run == [str(number) for number in range(7)]
+
+
 def files(folder):
     return sorted((path.relative_to(folder), path.stat().st_mtime_ns) for path in folder.rglob("*"))
 
