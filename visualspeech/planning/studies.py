@@ -7,7 +7,7 @@ from visualspeech.errors import SettingError
 from visualspeech.evaluation.published_results import published_names
 from visualspeech.fields import FieldError
 from visualspeech.models.rows import ModelRow
-from visualspeech.planning.systems import by_name, extended, listed
+from visualspeech.planning.systems import by_name, check_override, extended, listed, names_in
 from visualspeech.planning.tables import rows_of_entries
 from visualspeech.schema import unknown
 from visualspeech.study.settings import RECORDED, StudySettings, check_conditions
@@ -22,11 +22,13 @@ def read_studies(given, override: Mapping, folder: Path) -> dict[str, dict]:
     Raises
     ------
     SettingError
-        As :func:`visualspeech.planning.systems.extended`, or two have one name.
+        As :func:`visualspeech.planning.systems.extended`; two have one name; or a change names none.
     """
     named = listed(given, "studies")
     entries = [(where, extended(one, "studies", folder / "studies", override, where)) for where, one in named]
-    return by_name(entries, "studies")
+    studies = by_name(entries, "studies")
+    check_override(override, "studies", {*studies, *names_in(folder / "studies")})
+    return studies
 
 
 def complete_study(study: Mapping, systems: Mapping[str, Mapping], codings: Mapping[str, Mapping]) -> dict:

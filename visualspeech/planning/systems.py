@@ -62,7 +62,7 @@ def read_named(given, where: str, folder: Path) -> dict:
     if isinstance(given, Mapping):
         check(given, {"type": "object", "required": ["name"], "properties": {"name": NAME}}, where)
         return dict(given)
-    known = sorted(_names(folder))
+    known = sorted(names_in(folder))
     if given in known:
         path = folder / f"{given}.yaml"
     elif isinstance(given, str) and given.endswith((".yaml", ".yml")):
@@ -130,8 +130,8 @@ def read_systems(given, codings_override: Mapping, systems_override: Mapping, fo
                 "of them another name."
             )
         systems[name] = {**system, "coding": coding["name"]}
-    _check_override(systems_override, "systems", {*systems, *_names(folder / "systems")})
-    _check_override(codings_override, "codings", {*codings, *_names(folder / "codings")})
+    check_override(systems_override, "systems", {*systems, *names_in(folder / "systems")})
+    check_override(codings_override, "codings", {*codings, *names_in(folder / "codings")})
     return systems, codings
 
 
@@ -160,15 +160,17 @@ def by_name(entries: Sequence[tuple[str, dict]], key: str) -> dict[str, dict]:
     return found
 
 
-def _names(folder: Path) -> set[str]:
+def names_in(folder: Path) -> set[str]:
     return {path.stem for path in folder.glob("*.yaml")}
 
 
-def _check_override(override: Mapping, key: str, known: set[str]) -> None:
+def check_override(override: Mapping, key: str, known: set[str]) -> None:
+    """Check changes of systems, codings or studies: each names one, and leaves its name and what it extends."""
+    one = "study" if key == "studies" else key[:-1]
     found = [unknown(f"override.{key}", name, sorted(known)) for name in override if name not in known]
     for name, changes in override.items():
         found += [
-            f"`override.{key}.{name}.{fixed}` cannot be changed for one run; write it in the file of a {key[:-1]} of "
+            f"`override.{key}.{name}.{fixed}` cannot be changed for one run; write it in the file of a {one} of "
             "its own."
             for fixed in ("name", "extends")
             if fixed in changes

@@ -90,7 +90,9 @@ def make_study(
     sounds = {}
     for one in used.values():
         with needed(one):
-            sounds[one.id] = faces.sound(one)
+            samples, rate = faces.sound(one)
+            frame_rate, count = faces.timing(one)
+            sounds[one.id] = _of_length(samples, round(count / frame_rate * rate)), rate
     word = str(generator.choice(WORDS))
     spoken = synthesise(word) if settings.sound_check else None
     checked = (spoken.samples.astype(np.float32) / 32768, spoken.rate) if spoken else (np.zeros(1), 1)
@@ -244,7 +246,6 @@ class _Writer:
                 many = " to every question" if isinstance(item.expected, int) else ""
                 frames = _instructed(frames, f"Attention check: answer {str(item.expected).upper()}{many}", count // 3)
             samples, sample_rate = self._sounds[item.utterance.id]
-            samples = _of_length(samples, round(count / rate * sample_rate))
             write_video(self._media / files[-1], frames, rate, samples, sample_rate, dict(self._metadata))
         return files, count / rate
 
@@ -263,7 +264,8 @@ def _instructed(frames: Iterator[np.ndarray], text: str, begin: int) -> Iterator
     for number, frame in enumerate(frames):
         if number >= begin:
             if bar is None:
-                bar = title_bar([text], [frame.shape[1]], max(24, len(frame) // 5))
+                margin = frame.shape[1] // 12
+                bar = title_bar(["", text, ""], [margin, frame.shape[1] - 2 * margin, margin], max(24, len(frame) // 6))
             frame = frame.copy()
             top = (len(frame) - len(bar)) // 2
             frame[top : top + len(bar)] = bar

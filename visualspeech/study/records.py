@@ -370,8 +370,10 @@ def _rows(folder: str | Path, simulated: bool, query: str) -> list[tuple]:
 
 
 def _opened(path: Path) -> sqlite3.Connection:
-    """A database opened for reading; also one in a folder that cannot be written."""
+    """A database opened for reading, without a trace; also one in a folder that cannot be written."""
     address = path.absolute().as_uri()
+    if not Path(f"{path}-wal").exists():  # no server has it open, and nothing is outside the one file
+        return sqlite3.connect(f"{address}?mode=ro&immutable=1", uri=True)
     try:
         database = sqlite3.connect(f"{address}?mode=ro", uri=True)
         database.execute("SELECT count(*) FROM sqlite_master")
