@@ -1,7 +1,14 @@
 # What viewers answered. The folders of studies are users' files: they are no inputs, and a digest stands for them.
 rule evaluate_study:
     output:
-        directory("<evaluation>"),
+        report(
+            directory("<evaluation>"),
+            patterns=["{page}.html"],
+            category="{corpus}",
+            subcategory="Viewing tests",
+            labels={"system": "{evaluated}", "page": "{page}"},
+            caption="../report/evaluation.rst",
+        ),
     log:
         "<corpus>/logs/evaluate_study/{evaluated}.log",
     threads: 1
