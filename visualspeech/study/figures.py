@@ -66,13 +66,14 @@ def share_bars(bars: Sequence[Bar], colours: Sequence[str], title: str, simulate
                     axes.text(middle, number, text, ha="center", va="center", color=TRUTH, fontsize=9, bbox=box)
                 if bar.labels and known > 0:
                     # Neighbouring names of narrow shares would overlap in one line.
-                    half = LETTER * len(bar.labels[place]) / 2
+                    label = shortened(bar.labels[place])
+                    half = LETTER * len(label) / 2
                     line = 0 if middle - half > ends[0] else 1
                     ends[line] = middle + half
                     lower = (0.34, 0.5)[line]
-                    axes.text(middle, number + lower, bar.labels[place], ha="center", va="center", fontsize=8.5)
+                    axes.text(middle, number + lower, label, ha="center", va="center", fontsize=8.5)
                 left += known
-        axes.set_yticks(range(len(bars)), [bar.title for bar in bars])
+        axes.set_yticks(range(len(bars)), [shortened(bar.title) for bar in bars])
         axes.set(xlim=(0, 1), ylim=(len(bars) - 0.35, -0.5))
         axes.set_xticks([0, 0.25, 0.5, 0.75, 1], ["0 %", "25 %", "50 %", "75 %", "100 %"])
         axes.axvline(0.5, color=TRUTH, linewidth=0.7, linestyle=":", zorder=3)
@@ -134,7 +135,7 @@ def rating_bars(
             for number, one in enumerate(row):
                 place = group + (number - (len(conditions) - 1) / 2) * width
                 colour = COLOURS[number % len(COLOURS)]
-                label = conditions[number] if group == 0 else None
+                label = shortened(conditions[number]) if group == 0 else None
                 axes.bar(
                     place, one.value - scale[0], 0.88 * width, bottom=scale[0], color=colour, label=label, zorder=2
                 )
@@ -166,9 +167,14 @@ def _ticks(scale: tuple[int, int]) -> list[int]:
     return list(range(scale[0], scale[1] + 1, step))
 
 
+def shortened(name: str, most: int = 40) -> str:
+    """A name that leaves room for the figure."""
+    return name if len(name) <= most else f"{name[: most - 1]}…"
+
+
 def _titled(figure, title: str, simulated: bool) -> None:
     """Write the title; across a figure of simulated answers, what they are."""
-    name = title if len(title) <= 110 else title[:109] + "…"
+    name = shortened(title, 110)
     figure.suptitle(f"{SIMULATED.capitalize()}: {name}" if simulated else name, x=0.01, ha="left")
     if simulated:
         figure.text(
