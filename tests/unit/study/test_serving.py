@@ -129,6 +129,15 @@ def test_simulated_ratings_have_the_stated_means(tmp_path):
         if one.item.startswith("i"):
             ratings[key.shown(study, one).conditions[0]].append(one.value)
     means = {name: sum(values) / len(values) for name, values in ratings.items()}
+    # With the same seed, the same answers, whoever of the participants comes first.
+    simulate(folder, 20, Behaviour(means={"a": 7.0, "b": 3.0}), at_once=3, replace=True)
+    again = {"a": [], "b": []}
+    for one in read_answers(folder, simulated=True):
+        if one.item.startswith("i"):
+            again[key.shown(study, one).conditions[0]].append(one.value)
+    assert {name: sorted(values) for name, values in again.items()} == {
+        name: sorted(values) for name, values in ratings.items()
+    }
     assert means == pytest.approx({"a": 7.0, "b": 3.0}, abs=0.5) and len(ratings["a"]) == 240
 
 
