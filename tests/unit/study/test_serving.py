@@ -100,7 +100,12 @@ def test_a_wrong_simulation_is_refused(folder, capsys, options, message):
 def test_a_simulation_recovers_what_is_stated(folder, capsys):
     shares = ("a=61.5", "none=15.5", "b=23")
     options = [part for share in shares for part in ("--preference", share)]
-    assert said(capsys, "simulate", folder, "--participants", 60, *options, "--careless", 3, "--quitting", 2)[0] == 0
+    assert (
+        said(capsys, "simulate", folder, "--participants", 60, "--seed", 5, *options, "--careless", 3, "--quitting", 2)[
+            0
+        ]
+        == 0
+    )
     study, key = read_study(folder), read_key(folder)
     people = read_participants(folder, simulated=True)
     assert len(people) == 60 and all(one.simulated for one in people) and read_answers(folder) == ()
