@@ -150,12 +150,17 @@ def simulate_at(
     """As :func:`simulate`, at a server of simulated answers that runs; about ``pause`` seconds lie before an answer."""
 
     def visit(number: int) -> "Visitor":
-        generator = np.random.default_rng([seed, number])
         # The careless come first, then those who quit, in the order in which they start.
         careless = number < behaviour.careless
         quits = not careless and number < behaviour.careless + behaviour.quitting
         visitor = Visitor(address, study.sound_check.answer if study.sound_check else "", pause)
-        visitor.participate(lambda page: choose(page, study, key, behaviour, generator, careless), quits)
+
+        def answers(page: Page) -> dict:
+            # Not one generator for all items: which order a participant gets depends on who comes first.
+            generator = np.random.default_rng([seed, number, *page.item.encode()])
+            return choose(page, study, key, behaviour, generator, careless)
+
+        visitor.participate(answers, quits)
         return visitor
 
     with ThreadPoolExecutor(at_once) as pool:

@@ -100,7 +100,12 @@ def test_a_wrong_simulation_is_refused(folder, capsys, options, message):
 def test_a_simulation_recovers_what_is_stated(folder, capsys):
     shares = ("a=61.5", "none=15.5", "b=23")
     options = [part for share in shares for part in ("--preference", share)]
-    assert said(capsys, "simulate", folder, "--participants", 60, *options, "--careless", 3, "--quitting", 2)[0] == 0
+    assert (
+        said(capsys, "simulate", folder, "--participants", 60, "--seed", 5, *options, "--careless", 3, "--quitting", 2)[
+            0
+        ]
+        == 0
+    )
     study, key = read_study(folder), read_key(folder)
     people = read_participants(folder, simulated=True)
     assert len(people) == 60 and all(one.simulated for one in people) and read_answers(folder) == ()
@@ -129,6 +134,15 @@ def test_simulated_ratings_have_the_stated_means(tmp_path):
         if one.item.startswith("i"):
             ratings[key.shown(study, one).conditions[0]].append(one.value)
     means = {name: sum(values) / len(values) for name, values in ratings.items()}
+    # With the same seed, the same answers, whoever of the participants comes first.
+    simulate(folder, 20, Behaviour(means={"a": 7.0, "b": 3.0}), at_once=3, replace=True)
+    again = {"a": [], "b": []}
+    for one in read_answers(folder, simulated=True):
+        if one.item.startswith("i"):
+            again[key.shown(study, one).conditions[0]].append(one.value)
+    assert {name: sorted(values) for name, values in again.items()} == {
+        name: sorted(values) for name, values in ratings.items()
+    }
     assert means == pytest.approx({"a": 7.0, "b": 3.0}, abs=0.5) and len(ratings["a"]) == 240
 
 
