@@ -14,6 +14,7 @@ rule evaluate_study:
     threads: 1
     resources:
         mem_mb=500,
+        runtime=minutes(5),
         disk_mb=50,
     params:
         folder=evaluation_folder,
