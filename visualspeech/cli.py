@@ -1,4 +1,4 @@
-"""The console command ``visualspeech``: a speaker says a text, backgrounds of one's own, export of results, viewing tests.
+"""The console command ``visualspeech``: speech of a speaker, backgrounds, export of results, viewing tests.
 
 Errors are reported in one sentence. The exit status is 2 if the command line must be changed, 130 if the command was
 interrupted (143 or 129 if it was told to end by SIGTERM or SIGHUP), and 1 for any other error.

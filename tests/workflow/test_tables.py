@@ -4,7 +4,6 @@ import re
 
 import pytest
 
-from tests.described_files import undescribed
 from tests.workflow.running import of_system, overlay, snakemake
 
 pytestmark = pytest.mark.xdist_group("workflow")
