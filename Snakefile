@@ -1,3 +1,4 @@
+import os
 from pathlib import Path
 
 from snakemake.utils import min_version
@@ -6,12 +7,17 @@ from visualspeech.jobs import settle_environment, settle_messages, shell_prefix
 
 min_version("9.20")
 
+# Also where another workflow uses this one as a module.
+ROOT = Path(str(workflow.current_basedir))
+IS_MODULE = not workflow.modifier.is_main_snakefile()
+
 settle_messages()
-settle_environment(workflow.basedir)
-shell.prefix(shell_prefix())
+settle_environment(ROOT)
+if not IS_MODULE:
+    shell.prefix(shell_prefix())
 
 
-configfile: str(Path(workflow.basedir, "config", "config.yaml"))
+configfile: str(ROOT / "config" / "config.yaml")
 
 
 report: "workflow/report/workflow.rst"
@@ -43,10 +49,13 @@ wildcard_constraints:
 
 
 include: "workflow/inputs/systems.smk"
+include: "workflow/inputs/landmarks.smk"
+include: "workflow/inputs/resources.smk"
 include: "workflow/inputs/tables.smk"
 include: "workflow/inputs/visemes.smk"
 include: "workflow/inputs/report.smk"
 include: "workflow/inputs/speaking.smk"
+include: "workflow/inputs/messages.smk"
 include: "workflow/rules/corpus.smk"
 include: "workflow/rules/demo.smk"
 include: "workflow/rules/alignment.smk"
@@ -70,31 +79,19 @@ include: "workflow/rules/report.smk"
 
 onstart:
     hold_corpora()
-    # Snakemake limits the jobs of a second, and for that looks for new jobs a second after each start of one, and again a
-    # second after that, without end: after some hundred jobs this fills a good part of a core.
-    workflow.scheduler.job_rate_limiter = None
+    if PROGRESS:
+        PROGRESS.starts([os.path.relpath(one) for one in log])
 
 
-localrules:
-    all,
-    alignment,
-    landmarks,
-    pose,
-    motion,
-    coding,
-    features,
-    models,
-    tables,
-    videos,
-    preference,
-    tally,
-    speaker,
-    speak,
-    viseme_numbers,
-    study,
-    report,
+onsuccess:
+    show_end()
 
 
+onerror:
+    show_failure()
+
+
+# Named targets.
 rule all:
     default_target: True
     input:

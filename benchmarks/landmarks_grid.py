@@ -14,7 +14,7 @@ from benchmarks.command import grid, run_main
 from visualspeech.errors import RejectedUtterance
 from visualspeech.face.dlib_tracker import DlibTracker
 from visualspeech.face.screening import landmark_steps, track_screened
-from visualspeech.face.tracker import LandmarkSettings
+from visualspeech.face.tracker import LandmarkSettings, TrackedVideo
 from visualspeech.media.reading import read_frames
 
 PARTS = {"nose": range(27, 36), "mouth": range(48, 68), "jaw": range(17)}
@@ -28,10 +28,10 @@ def jitter(points: np.ndarray, part: str) -> float:
 class EveryFrame(DlibTracker):
     """For comparison: detection in every frame."""
 
-    def next(self, frame):
+    def next(self, frame, number):
         self._box = None
         self._frame = 1
-        return super().next(frame)
+        return super().next(frame, number)
 
 
 def counted(frames, passed):
@@ -45,9 +45,9 @@ def detect_every_frame(files, settings) -> float:
     """Frames per second with detection in every frame."""
     begin, frames = time.process_time(), 0
     for file in files:
-        tracker = EveryFrame(settings, 25.0)
-        for frame in read_frames(file):
-            tracker.next(frame)
+        tracker = EveryFrame(settings, TrackedVideo(str(file), 25.0))
+        for number, frame in enumerate(read_frames(file)):
+            tracker.next(frame, number)
             frames += 1
     return frames / (time.process_time() - begin)
 

@@ -55,8 +55,8 @@ def enlarged(bundle: SpeakerBundle, width: int) -> SpeakerBundle:
         picture = cv2.resize(picture, size, interpolation=cv2.INTER_CUBIC)
         return cv2.imencode(".jpg", picture, [cv2.IMWRITE_JPEG_QUALITY, QUALITY])[1].tobytes()
 
-    pictures = tuple(larger(frame) for frame in range(len(background)))
-    larger_background = replace(background, pictures=pictures, landmarks=background.landmarks * scale, size=size)
+    jpegs = tuple(larger(frame) for frame in range(len(background)))
+    larger_background = replace(background, jpegs=jpegs, landmarks=background.landmarks * scale, size=size)
     larger_head = replace(head, focal=head.focal * scale, centre=head.centre * scale)
     return replace(bundle, background=larger_background, speaker=replace(bundle.speaker, head=larger_head))
 

@@ -1,4 +1,4 @@
-"""The console command ``visualspeech``: videos in which a speaker of a finished run says a text, and viewing tests.
+"""The console command ``visualspeech``: a speaker says a text, one's own backgrounds, export of results, viewing tests.
 
 Errors are reported in one sentence. The exit status is 2 if the command line must be changed, 130 if the command was
 interrupted (143 or 129 if it was told to end by SIGTERM or SIGHUP), and 1 for any other error.
@@ -7,20 +7,23 @@ interrupted (143 or 129 if it was told to end by SIGTERM or SIGHUP), and 1 for a
 import argparse
 import errno
 import logging
+import operator
 import os
 import stat
 import sys
 from collections.abc import Sequence
+from contextlib import nullcontext
 from pathlib import Path
 
-from visualspeech.errors import RejectedUtterance, SettingError, VisualSpeechError
+from visualspeech.api.command import add_export
+from visualspeech.errors import CorpusError, RejectedUtterance, SettingError, VisualSpeechError
 from visualspeech.fields import MAX_SEED, shortened
 from visualspeech.interruption import stoppable
 from visualspeech.jobs import log
 from visualspeech.study.command import add_study
 
-#: Bytes of a name and of a path.
-MAX_NAME, MAX_PATH = 255, 4000
+#: Suffixes of videos, each a container.
+SUFFIXES = (".mp4", ".mov", ".webm")
 
 # torch, dlib and the media libraries are imported only when a command runs, so that help and errors appear at once.
 
@@ -40,7 +43,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except VisualSpeechError as error:
         message = str(error)
         if isinstance(error, RejectedUtterance):
-            message = f"{given.audio}: {error.reason}. {error.remedy}".strip()
+            recording = getattr(given, "audio", None) or "a recording"
+            message = f"{recording}: {error.reason}. {error.remedy}".strip()
         print(f"visualspeech: {message}", file=sys.stderr)
         return 2 if isinstance(error, SettingError) else 1
     except MemoryError:
@@ -65,6 +69,7 @@ def _parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(
         prog="visualspeech", description="Talking heads of recorded speakers, and viewing tests."
     )
+    parser.set_defaults(stopped=_say_stopped)
     commands = parser.add_subparsers(title="commands", required=True, metavar="COMMAND")
     speak = commands.add_parser(
         "speak",
@@ -80,7 +85,21 @@ def _parser() -> argparse.ArgumentParser:
         "--text-file", type=Path, metavar="FILE", help="the same from a UTF-8 file (- for standard input)"
     )
     speak.add_argument("--audio", type=Path, metavar="FILE", help="a recording of speech that gives the voice")
-    speak.add_argument("-o", "--output", required=True, type=Path, metavar="FILE.mp4", help="the video to write")
+    speak.add_argument(
+        "-o", "--output", type=Path, metavar="FILE",
+        help="the video to write: .mp4 or .mov (H.264 and AAC), .webm (VP9 and Opus)",
+    )  # fmt: skip
+    speak.add_argument("--frames", type=Path, metavar="DIR", help="write numbered PNGs and sound.wav into a new folder")
+    speak.add_argument(
+        "--timings", type=Path, metavar="FILE.json", help="write words, phones and visemes with their times"
+    )
+    speak.add_argument(
+        "--size", metavar="WxH|H", help="size of the video in pixels, or its height (default: that of the recordings)"
+    )
+    speak.add_argument(
+        "--background", metavar="NAME|FOLDER",
+        help="a recording of the speaker's background, or a folder that `visualspeech background` wrote",
+    )  # fmt: skip
     speak.add_argument("--voice", default="en-us", help="English voice of eSpeak NG (default: %(default)s)")
     speak.add_argument("--speed", type=int, default=150, help="words per minute, 80 to 450 (default: %(default)s)")
     speak.add_argument("--pitch", type=int, default=45, help="0 to 100 (default: %(default)s)")
@@ -90,7 +109,32 @@ def _parser() -> argparse.ArgumentParser:
     speak.add_argument("--no-label", action="store_true", help="leave out the small label `synthetic` in the frames")
     speak.add_argument("--quiet", action="store_true", help="no progress lines")
     speak.add_argument("--debug", action="store_true", help=argparse.SUPPRESS)
-    speak.set_defaults(run=_speak, stopped=_say_stopped)
+    speak.set_defaults(run=_speak)
+    background = commands.add_parser(
+        "background",
+        help="prepare clips of a speaker as a background",
+        description="Track and check clips of a speaker, and write them as a background for `speak --background`.",
+    )
+    background.add_argument(
+        "--model", required=True, type=Path, metavar="FOLDER",
+        help="the speaker: a folder written by the workflow's target `speaker`",
+    )  # fmt: skip
+    background.add_argument(
+        "--video", required=True, nargs="+", type=Path, metavar="FILE", help="clips of the speaker, of one camera"
+    )
+    background.add_argument(
+        "--landmarks", type=Path, metavar="FOLDER",
+        help="landmarks of the clips as CSV files of OpenFace, if the speaker was made with such",
+    )  # fmt: skip
+    background.add_argument("-o", "--output", required=True, type=Path, metavar="FOLDER", help="the folder to write")
+    background.add_argument(
+        "--start", type=float, default=0.0, metavar="SECONDS", help="beginning of the part of each clip that is used"
+    )
+    background.add_argument("--end", type=float, default=0.0, metavar="SECONDS", help="its end; 0 for that of the clip")
+    background.add_argument("--quiet", action="store_true", help="no progress lines")
+    background.add_argument("--debug", action="store_true", help=argparse.SUPPRESS)
+    background.set_defaults(run=_background)
+    add_export(commands)
     add_study(commands)
     return parser
 
@@ -103,26 +147,40 @@ def _speak(given: argparse.Namespace) -> None:
     if not 0 <= given.seed <= MAX_SEED:
         raise SettingError(f"--seed {shortened(given.seed)}: give a number from 0 to {MAX_SEED}.")
     voice_settings = VoiceSettings(given.voice, given.speed, given.pitch)
-    if not os.path.isdir(given.model):
-        what = "is a file" if os.path.isfile(given.model) else "does not exist"
-        raise SettingError(f"--model {shortened(given.model)} {what}; give the folder that holds speaker.json.")
+    wanted = None if given.size is None else _size(given.size)
+    _check_model(given.model)
     if text is not None:
         check_pronounceable(text)  # before anything is loaded
-    _check_audio(given.audio)
-    _check_output(given)
+    if given.audio is not None:
+        _check_media(given.audio, "sound or video file")
+    _check_outputs(given)
     from visualspeech.animation.bundle import SpeakerBundle
+    from visualspeech.animation.frame_files import size_of
     from visualspeech.animation.performance import perform
     from visualspeech.animation.speaking import speak
     from visualspeech.animation.speaking_settings import SpeakSettings
+    from visualspeech.animation.timings import Timings
     from visualspeech.animation.walk import WalkSettings
     from visualspeech.models.inventory import needs_of_model
     from visualspeech.speech.spoken import speak_recording, speak_sound, speak_text
+    from visualspeech.storage.files import replacing
 
     bundle = SpeakerBundle.load(given.model)
+    if given.background:
+        bundle = _before_background(bundle, given)
+    size = size_of(wanted, bundle.background.size)
+    if size is not None and any(map(operator.gt, size, bundle.background.size)):
+        recorded = " by ".join(map(str, bundle.background.size))
+        log.warning("--size is larger than the recorded %s pixels; larger frames show no more detail", recorded)
     if given.audio:
         bundle = bundle.for_recordings() if text is None else bundle
         rate = bundle.trained.rate
         if bundle.reads_sound_alone:
+            if given.timings is not None:
+                raise SettingError(
+                    "--timings: the lips follow the sound alone, of which no words and phones are known; give what is "
+                    "said with --text to a speaker whose model reads text, or leave --timings out."
+                )
             log.info("the lips follow the sound of the recording (model %s)", bundle.model)
             spoken = speak_sound(given.audio, rate, text or "")
         else:
@@ -135,9 +193,13 @@ def _speak(given: argparse.Namespace) -> None:
         spoken = speak_text(text, voice_settings, bundle.shares)
         voice = f"synthetic (eSpeak NG, {given.voice})"
     settings = SpeakSettings(label=not given.no_label, walk=WalkSettings(seed=given.seed))
-    performance = perform(spoken, bundle.trained, bundle.rest)
+    timings = None if given.timings is None else Timings()
+    performance = perform(spoken, bundle.trained, bundle.rest, timings=timings)
     log.info("%.1f s of speech; rendering", performance.seconds)
-    speak(given.output, performance, bundle, voice, settings)
+    with nullcontext() if timings is None else replacing(given.timings) as file:
+        count = speak(given.output, performance, bundle, voice, settings, size=size, frames_folder=given.frames)
+        if timings is not None:
+            timings.save(file, performance.text, bundle.background.rate, count)
 
 
 def _text(given: argparse.Namespace) -> str | None:
@@ -157,10 +219,14 @@ def _text(given: argparse.Namespace) -> str | None:
     raise SettingError("there is nothing to say; give --text, --text-file or --audio.")
 
 
-def _check_audio(path: Path | None) -> None:
+def _check_model(folder: Path) -> None:
+    if not os.path.isdir(folder):
+        what = "is a file" if os.path.isfile(folder) else "does not exist"
+        raise SettingError(f"--model {shortened(folder)} {what}; give the folder that holds speaker.json.")
+
+
+def _check_media(path: Path, kind: str) -> None:
     """Check that a recording is a file that can be read; addresses of other kinds are never opened."""
-    if path is None:
-        return
     try:
         regular = stat.S_ISREG(path.stat().st_mode)
         if regular:
@@ -168,67 +234,105 @@ def _check_audio(path: Path | None) -> None:
     except OSError as error:
         missing = error.errno in (errno.ENOENT, errno.ENOTDIR)
         reason = "the file does not exist" if missing else f"cannot be read ({error.strerror})"
-        raise RejectedUtterance(reason, "Give the path of a sound or video file.") from error
+        raise _refused(path, reason, kind) from error
     if not regular:
-        raise RejectedUtterance("this is not a regular file", "Give the path of a sound or video file.")
+        raise _refused(path, "this is not a regular file", kind)
 
 
-def _check_output(given: argparse.Namespace) -> None:
-    """Check that the video can be written, and that it replaces nothing but a file that is no input.
+def _refused(path: Path, reason: str, kind: str) -> CorpusError:
+    return CorpusError(f"{shortened(path)}: {reason}. Give the path of a {kind}.")
+
+
+def _check_outputs(given: argparse.Namespace) -> None:
+    """Check, before anything is loaded, that every output can be written and replaces nothing that is needed.
 
     Raises
     ------
     SettingError
         Another name must be given.
     StorageError
-        The file cannot be written.
+        A path cannot be written.
     """
-    from visualspeech.storage.files import check_writable
+    from visualspeech.animation.command_paths import check_outputs
 
-    path = given.output
-    if path.suffix.lower() != ".mp4":
-        raise SettingError(f"--output {path}: videos are written as MP4; give a name that ends in .mp4.")
-    size = len(os.fsencode(path.name))
-    if size > MAX_NAME:
-        raise SettingError(f"--output: the name of the file has {size} bytes; give one of at most {MAX_NAME}.")
-    if any(len(os.fsencode(part)) > MAX_NAME for part in path.parts) or len(os.fsencode(path.absolute())) > MAX_PATH:
+    if given.output is None and given.frames is None:
+        raise SettingError("there is nothing to write; give --output, --frames or both.")
+    if given.output is not None and given.output.suffix.lower() not in SUFFIXES:
         raise SettingError(
-            f"--output: a path has at most {MAX_PATH} bytes, and the name of a folder at most {MAX_NAME}; give a "
-            "shorter one."
+            f"--output {shortened(given.output)}: videos are written as MP4, MOV or WebM; give a name that ends in "
+            f"{', '.join(SUFFIXES[:-1])} or {SUFFIXES[-1]}."
         )
-    if any("\ud800" <= character <= "\udfff" for character in str(path)):
-        raise SettingError(f"--output {shortened(path)}: the path is not UTF-8 text; give another.")
-    if path.is_dir():
-        raise SettingError(f"--output {path} is a folder; give the name of the video file.")
-    if path.exists() and not path.is_file():
-        raise SettingError(f"--output {path} is a device or pipe; give the name of a file.")
-    inputs = {"--audio": given.audio, "--text-file": given.text_file}
-    same = next((option for option, one in inputs.items() if one is not None and _is_same(path, one)), None)
-    if same:
-        raise SettingError(f"--output {path} is the file of {same}, which would be replaced; give another name.")
-    if _is_part(path, given.model):
-        raise SettingError(f"--output {path} is a part of the speaker {given.model}; give another name.")
-    check_writable(path)
+    files = {"--output": given.output, "--timings": given.timings}
+    inputs = {"--audio": given.audio, "--text-file": given.text_file, "--background": _background_folder(given)}
+    check_outputs(
+        {option: path for option, path in files.items() if path is not None},
+        {} if given.frames is None else {"--frames": given.frames},
+        {option: path for option, path in inputs.items() if path is not None},
+        given.model,
+    )
 
 
-def _is_same(path: Path, other: Path) -> bool:
-    """Whether two paths lead to one file, by whatever links and spellings."""
-    if os.path.realpath(path) == os.path.realpath(other):
-        return True
-    try:
-        return os.path.samefile(path, other)
-    except OSError:
-        return False
+def _size(text: str) -> tuple[int, int] | int:
+    """``--size``: width and height, or a height alone.
+
+    Raises
+    ------
+    SettingError
+        It is neither, odd, or too small or large.
+    """
+    from visualspeech.animation.frame_files import MAX_SIDE, MIN_SIDE
+
+    sides = text.lower().split("x")
+    if len(sides) > 2 or not all(side.isascii() and side.isdecimal() and len(side) < 10 for side in sides):
+        raise SettingError(f"--size {shortened(text)}: give WIDTHxHEIGHT, such as 640x480, or a height, such as 480.")
+    numbers = [int(side) for side in sides]
+    wrong = next((one for one in numbers if not MIN_SIDE <= one <= MAX_SIDE), None)
+    if wrong is not None:
+        raise SettingError(f"--size {shortened(text)}: {wrong} is not from {MIN_SIDE} to {MAX_SIDE} pixels.")
+    odd = next((one for one in numbers if one % 2), None)
+    if odd is not None:
+        raise SettingError(f"--size {text}: videos need even sizes; give {odd + 1} or {odd - 1} instead of {odd}.")
+    return (numbers[0], numbers[1]) if len(numbers) == 2 else numbers[0]
 
 
-def _is_part(path: Path, folder: Path) -> bool:
-    """Whether a file lies in a folder, also by a link, or is one of its files."""
-    try:
-        return os.path.realpath(folder) in map(os.path.realpath, path.absolute().parents) or any(
-            _is_same(path, one) for one in folder.iterdir()
-        )
-    except OSError:  # there is no such folder
-        return False
+def _before_background(bundle, given: argparse.Namespace):
+    """The speaker before the background of ``--background``."""
+    from visualspeech.animation.backgrounds import load_background, only_recording
+
+    folder = _background_folder(given)
+    return only_recording(bundle, given.background) if folder is None else load_background(bundle, given.model, folder)
+
+
+def _background_folder(given: argparse.Namespace) -> Path | None:
+    """The folder of ``--background``; None where it is not given, or is the name of a recording."""
+    if given.background and (os.sep in given.background or os.path.isdir(given.background)):
+        return Path(given.background)
+    return None
+
+
+def _background(given: argparse.Namespace) -> None:
+    from visualspeech.animation.command_paths import check_outputs
+
+    _check_model(given.model)
+    for path in given.video:
+        _check_media(path, "video file")
+    if not (0 <= given.start < 1e6 and (given.end == 0 or given.start < given.end < 1e6)):
+        raise SettingError("--start and --end: give seconds from 0 on, the start before the end.")
+    if given.landmarks is not None and not given.landmarks.is_dir():
+        raise SettingError(f"--landmarks {shortened(given.landmarks)} is no folder; give the folder of the CSV files.")
+    inputs = {f"--video {path}": path for path in given.video}
+    inputs |= {} if given.landmarks is None else {"--landmarks": given.landmarks}
+    check_outputs({}, {"--output": given.output}, inputs, given.model)
+    from visualspeech.animation.backgrounds import prepare_background
+    from visualspeech.face.tracker import LandmarkSettings
+
+    read = None if given.landmarks is None else LandmarkSettings(source="csv", folder=str(given.landmarks))
+    background = prepare_background(given.output, given.model, given.video, given.start, given.end, read)
+    width, height = background.size
+    log.info(
+        "%s holds %d frames of %d by %d pixels at %g Hz; use it with `visualspeech speak --background %s`",
+        given.output, len(background), width, height, background.rate, given.output,
+    )  # fmt: skip
 
 
 if __name__ == "__main__":

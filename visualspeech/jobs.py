@@ -35,6 +35,8 @@ THREAD_VARIABLES = (
 
 #: Environment variables by which jobs know their run: its process id, and the lock files that its jobs share, as JSON.
 RUN, LOCKS = "VISUALSPEECH_RUN", "VISUALSPEECH_LOCKS"
+#: Set where the jobs of a run show warnings and errors alone; their log files hold every message.
+QUIET = "VISUALSPEECH_QUIET"
 
 _FULL = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
 
@@ -72,6 +74,11 @@ def settle_messages() -> None:
             show_ignored(ignored)
 
     sys.excepthook, sys.unraisablehook = shown, shown_ignored
+
+
+def settle_quiet(quiet: bool) -> None:
+    """Let every job started by this process show warnings and errors alone, or all of its messages."""
+    os.environ[QUIET] = "1" if quiet else ""
 
 
 def settle_sigterm() -> None:
@@ -122,6 +129,7 @@ def job(log_path: str | Path) -> Iterator[None]:
     # The log of a shard or of a model lies in a folder named after the stage.
     name = path.stem if path.parent.name == "logs" else f"{path.parent.name} {path.stem}"
     terminal = logging.StreamHandler(sys.stderr)
+    terminal.setLevel(logging.WARNING if os.environ.get(QUIET) else logging.INFO)
     handlers, unlogged = [terminal], None
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
@@ -161,7 +169,7 @@ def job(log_path: str | Path) -> Iterator[None]:
 
 def _say_stopped(reason: str) -> None:
     why = f"stopped ({reason})" if reason else "stopped, because its run has ended"
-    log.info("%s; run the same command again to resume", why)
+    log.warning("%s; run the same command again to resume", why)
 
 
 def _show_defect(error: Exception, terminal: logging.Handler, files: list[logging.FileHandler], path) -> None:

@@ -17,11 +17,18 @@ from visualspeech.unfinished import sweep
 #: Seconds that a run waits for jobs of an earlier run, which end by themselves within about a second.
 PATIENCE = 15.0
 
+#: Seconds that a run waits for the folder itself: :func:`is_held` holds it for a moment.
+_MOMENT = 0.5
 
-def hold(folder: str) -> IO:
+
+def hold(folder: str, run: str = "") -> IO:
     """Hold a corpus's result folder for this process and remove the unfinished files of killed jobs below it.
 
     Returns the open lock file, to be kept for as long as the folder is held.
+
+    Parameters
+    ----------
+    run : name of this run, by which jobs on other machines know whether it still holds the folder
 
     Raises
     ------
@@ -31,27 +38,49 @@ def hold(folder: str) -> IO:
     path = Path(folder)
     try:
         path.mkdir(parents=True, exist_ok=True)
-        run, jobs = open(path / ".lock", "w"), open(jobs_lock(folder), "w")  # noqa: SIM115 - held open on purpose
+        held, jobs = open(path / ".lock", "a"), open(jobs_lock(folder), "w")  # noqa: SIM115 - held open on purpose
     except OSError as error:
         raise StorageError(
             f"cannot write to the results folder {path.resolve()}: {error.strerror}. Give yourself the right to write "
             "there, or choose another folder with `results` or --directory."
         ) from error
     with jobs:
-        if not _locked(run, 0):
-            run.close()
+        if not _locked(held, _MOMENT):
+            held.close()
             raise StorageError(
                 f"another run is using {path.resolve()}. Wait until it has ended, stop it, or choose another folder "
                 "with `results` or --directory."
             )
+        # Before the wait: jobs of an earlier run that start from now on see that it has ended.
+        held.truncate(0)
+        held.write(run)
+        held.flush()
         if not _locked(jobs, PATIENCE):
-            run.close()
+            held.close()
             raise StorageError(
                 f"a job of an earlier run is still writing to {path.resolve()}. Wait until it has ended or end it "
-                f"(`fuser {jobs_lock(path.resolve())}` names its process), then run the same command again."
+                f"(`fuser {jobs_lock(path.resolve())}` names its process, on a cluster `squeue` its job), then run the "
+                "same command again."
             )
         sweep(path)
-    return run
+    return held
+
+
+def is_held(folder: str | Path, run: str) -> bool:
+    """Whether the run of this name still holds a folder, on whatever machine it is.
+
+    True also where that cannot be found out, as for a moment on a file system that does not answer.
+    """
+    try:
+        with open(Path(folder, ".lock"), encoding="utf-8") as file:
+            if file.read() != run:
+                return False
+            fcntl.flock(file, fcntl.LOCK_SH | fcntl.LOCK_NB)
+    except FileNotFoundError:
+        return False
+    except OSError:
+        return True
+    return False
 
 
 def jobs_lock(folder: str | Path) -> Path:

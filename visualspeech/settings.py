@@ -192,6 +192,40 @@ def _check_text(value, what: str) -> None:
         raise SettingError(f"{what} holds the character U+{ord(unfit):04X}, which is no text; remove it.")
 
 
+def typed(value):
+    """What a value of the command line means: inside mappings and lists Snakemake hands on every value as text."""
+    if isinstance(value, Mapping):
+        return {key: typed(inner) for key, inner in value.items()}
+    if isinstance(value, list | tuple):
+        return [typed(inner) for inner in value]
+    if not isinstance(value, str) or not value or len(value) > 100:
+        return value
+    try:
+        meant = yaml.safe_load(value)
+    except (yaml.YAMLError, ValueError):
+        return value
+    return meant if meant is None or isinstance(meant, bool | int | float) else value
+
+
+def from_command_line(config: Mapping, given: Mapping) -> dict:
+    """The settings of a run in which the values of ``--config`` have the types that YAML gives them.
+
+    Parameters
+    ----------
+    config : of the run, ``given`` laid over the files
+    given : values of the command line as Snakemake has read them; those that are no mappings and lists have their types
+    """
+    nested = {key: value for key, value in given.items() if isinstance(value, Mapping | list | tuple)}
+    return {key: _retyped(value, nested[key]) if key in nested else value for key, value in config.items()}
+
+
+def _retyped(value, given):
+    """A value of a run with the types of what the command line gave, where it comes from there."""
+    if isinstance(value, Mapping) and isinstance(given, Mapping):
+        return {key: _retyped(inner, given[key]) if key in given else inner for key, inner in value.items()}
+    return typed(given) if value == given else value
+
+
 #: Keys that exclude each other: a layer that gives keys of one set drops the keys of the other set from lower layers.
 ALTERNATIVES = ({"energy", "at_most"}, {"components"})
 

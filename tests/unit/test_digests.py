@@ -17,7 +17,7 @@ ROWS = {
     "stack": ("stack", ["triphone_state"]),
     "rich": ("stack", ["triphone_state", "label_parts"]),
     "classes": ("stack", ["phone_classes"]),
-    "heard": ("stack", ["log_mel"]),
+    "heard": ("stack", ["log_mel", "arrays"]),
     "spoken": ("stack", ["speech27", "speech44"]),
     "context": ("stack", ["phone", "linguistic"]),
     "visemes": ("stack", ["dynamic_visemes", "viseme_context"]),
@@ -128,6 +128,7 @@ def test_the_copy_has_the_digests_of_the_original(package, monkeypatch):
         ("features/blocks/phone_classes.py", {"classes"}),
         ("speech/phone_classes.py", {"hmm", "hsmm", "classes", "context", "visemes", "ensemble"}),
         ("features/blocks/log_mel.py", {"heard"}),
+        ("features/blocks/arrays.py", {"heard"}),
         ("speech/acoustics.py", {"heard"}),
         ("features/blocks/speech27.py", {"spoken"}),
         ("features/speech_block.py", {"spoken"}),
@@ -153,7 +154,7 @@ def test_an_edit_reaches_the_rows_that_use_it(package, module, rows):
     assert changed(before, digests()) == rows
 
 
-@pytest.mark.parametrize("folder", ["evaluation", "animation", "face", "planning", "corpora/demo"])
+@pytest.mark.parametrize("folder", ["api", "evaluation", "animation", "face", "planning", "corpora/demo"])
 def test_other_parts_of_the_library_re_train_nobody(package, folder):
     before = digests()
     for path in (package / folder).rglob("*.py"):
@@ -201,3 +202,20 @@ def test_features_depend_on_their_block_alone(package):
     before = of_blocks()
     edited(package, "models", "stack.py")
     assert changed(before, of_blocks()) == set()
+
+
+@pytest.mark.parametrize("module", ["dlib_tracker", "landmark_csv"])
+def test_what_gives_landmarks_re_tracks_and_nothing_else(package, module):
+    """Trackers are named and not imported: the pose follows from the landmarks, whoever gives them."""
+    scripts = REPOSITORY / "workflow" / "scripts"
+
+    def found():
+        forget()
+        tracking = provenance.code_digest(scripts / "track_landmarks.py", f"visualspeech.face.{module}")
+        names = ("normalise_pose", "fit_head", "bundle_speaker", "speak_sentence")
+        return tracking, [provenance.code_digest(scripts / f"{name}.py") for name in names]
+
+    before = found()
+    edited(package, "face", f"{module}.py")
+    after = found()
+    assert before[0] != after[0] and before[1] == after[1]

@@ -8,13 +8,14 @@ import pytest
 import yaml
 
 from tests.paths import REPOSITORY
+from visualspeech.evaluation.metrics import METRICS
 from visualspeech.planning.run import resolve
 from visualspeech.settings import merged, read_yaml
 
 CONFIG = REPOSITORY / "config"
 DOCUMENTS = sorted([*REPOSITORY.glob("*.md"), *REPOSITORY.glob("docs/*.md"), *REPOSITORY.glob("config/*.md")])
 #: Options of snakemake that take the arguments after them.
-TAKE_VALUES = ("--cores", "--configfile", "--config", "--directory", "--snakefile", "--report")
+TAKE_VALUES = ("--cores", "--configfile", "--config", "--directory", "--snakefile", "--report", "--profile")
 #: Placeholders of a file name.
 HOLES = "<{*"
 
@@ -50,6 +51,8 @@ def arguments(words: list[str]) -> tuple[list[str], list[str]]:
     for word in words:
         if word.startswith("-"):
             option = word
+        elif "=" in word:
+            continue  # of --config or --default-resources
         elif option == "--configfile":
             # Snakemake takes every word up to the next option for a file: targets must stand before.
             overlays.append(word)
@@ -64,9 +67,30 @@ def arguments(words: list[str]) -> tuple[list[str], list[str]]:
 OVERLAYS = [one for one in fenced("yaml") if is_run(one.values[0]) and not one.id.startswith("config/")]
 
 
+def modules() -> dict[str, str]:
+    """Python files of the documents that begin with their name, such as ``# jaw.py``."""
+    named = (re.match(r"# (\w+\.py)\n", one.values[0]) for one in fenced("python"))
+    return {one[1]: one.string for one in named if one}
+
+
 @pytest.mark.parametrize("text", OVERLAYS)
-def test_settings_resolve(text):
+def test_settings_resolve(text, tmp_path, monkeypatch):
+    for name, source in modules().items():
+        (tmp_path / name).write_text(source)
+    monkeypatch.chdir(tmp_path)
     resolve(merged(read_yaml(CONFIG / "config.yaml"), yaml.safe_load(text)), CONFIG)
+
+
+def test_every_measure_is_listed():
+    """In the list of config/README.md, those of regions by that of one region."""
+    text = (CONFIG / "README.md").read_text(encoding="utf-8")
+    listed = re.search(
+        r"^Measures of a visual coding of the kind `aam`: (.*?)\. Of `markers`: (.*?)\. ", text, re.M | re.S
+    )
+    whole, regional = (re.findall(r"`(\w+)`", part) for part in listed.groups())
+    assert whole == [name for name, metric in METRICS.items() if not metric.region]
+    of_upper = [name for name, metric in METRICS.items() if metric.region == "upper"]
+    assert [name for name in regional if "_upper" in name] == of_upper
 
 
 def in_comments():

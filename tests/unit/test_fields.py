@@ -18,6 +18,7 @@ from visualspeech.corpora.demo.recording import DemoSettings
 from visualspeech.corpora.motion_settings import MotionSettings
 from visualspeech.errors import SettingError, StorageError
 from visualspeech.evaluation.comparisons import ComparisonSettings
+from visualspeech.evaluation.latex import LatexSettings
 from visualspeech.evaluation.region_settings import EmotionSettings, RegionTableSettings
 from visualspeech.evaluation.selection_settings import SelectionSettings
 from visualspeech.evaluation.statistics import BootstrapSettings
@@ -74,7 +75,8 @@ CLASSES = [
     GvCompensationSettings, HmmSettings, JointSettings, LabelPartsSettings, LandmarkSettings, LinguisticSettings,
     LogMelSettings, LookupSettings, MarkerSettings, MotionSettings, PhoneClassesSettings, PhoneSettings,
     PhoneTrackSettings, PoseSettings, ReferenceSettings, RegionTableSettings, RenderSettings, ScreeningSettings,
-    SelectionSettings, SpeakSettings, SpeechSettings, StackSettings, StudySettings, TableSettings, TrainingSettings,
+    LatexSettings, SelectionSettings, SpeakSettings, SpeechSettings, StackSettings, StudySettings, TableSettings,
+    TrainingSettings,
     TrajectorySettings, TriphoneStateSettings, VideoSettings, VisemeContextSettings, VisemeNumberSettings,
     VoiceSettings, WalkSettings,
 ]  # fmt: skip

@@ -18,14 +18,13 @@ LAYERS = (
     ("models",),
     ("animation", "evaluation"),
     ("study",),
-    ("planning",),
+    ("planning", "api"),
     ("cli",),
 )
 LEVELS = {name: level for level, names in enumerate(LAYERS) for name in names}
 MAX_LINES = 400
 #: What a setting chooses by name is imported when it is made.
 BY_NAME = {
-    ("visualspeech.face.tracker", "visualspeech.face.dlib_tracker"),
     ("visualspeech.face.coding", "visualspeech.face.aam.model"),
     ("visualspeech.face.coding", "visualspeech.face.marker_coding"),
 }

@@ -32,6 +32,21 @@ def test_messages_go_to_the_terminal_and_to_the_log(tmp_path, capsys):
     assert "align: hello" in capsys.readouterr().err
 
 
+def test_a_quiet_job_shows_warnings_and_errors_and_logs_everything(tmp_path, capsys, monkeypatch):
+    monkeypatch.setenv(jobs.QUIET, "1")
+    with pytest.raises(SystemExit), jobs.job(tmp_path / "x.log"):
+        jobs.log.info("hello")
+        jobs.log.warning("odd")
+        raise CorpusError("no recordings")
+    shown = capsys.readouterr().err
+    assert "hello" not in shown and "odd" in shown and "no recordings" in shown
+    assert "hello" in (tmp_path / "x.log").read_text()
+    jobs.settle_quiet(False)
+    with jobs.job(tmp_path / "x.log"):
+        jobs.log.info("hello")
+    assert "hello" in capsys.readouterr().err
+
+
 def test_an_error_for_a_person_has_no_traceback(tmp_path, capsys):
     with pytest.raises(SystemExit) as ended, jobs.job(tmp_path / "x.log"):
         raise CorpusError("no recordings in /nowhere. Set `root:`.")

@@ -40,19 +40,25 @@ def tiny_corpus(**changes) -> dict:
     return {"corpora": [corpus | changes]}
 
 
-def command(folder: Path, *arguments: str, cores: int = 2, configfiles: tuple = (TINY,)) -> list[str]:
-    """The command line that runs the workflow with ``folder`` as its working folder."""
+def command(
+    folder: Path, *arguments: str, cores: int = 2, configfiles: tuple = (TINY,), quiet: bool = False
+) -> list[str]:
+    """The command line that runs the workflow with ``folder`` as its working folder; ``quiet`` leaves its output as it
+    is by default, where tests otherwise read every job and its messages."""
     overlays = ["--configfile", *map(str, configfiles)] if configfiles else []
+    overlays = overlays if quiet else ["--printshellcmds", *overlays]
     return [
         sys.executable, "-m", "snakemake", "--snakefile", str(REPOSITORY / "Snakefile"), "--directory", str(folder),
         "--cores", str(cores), *arguments, *overlays,
     ]  # fmt: skip
 
 
-def snakemake(folder: Path, *arguments: str, cores: int = 2, configfiles: tuple = (TINY,), env=None):
+def snakemake(
+    folder: Path, *arguments: str, cores: int = 2, configfiles: tuple = (TINY,), env=None, quiet: bool = False
+):
     """Run the workflow to its end; returns the completed process with everything it printed as ``.stdout``."""
     return subprocess.run(
-        command(folder, *arguments, cores=cores, configfiles=configfiles),
+        command(folder, *arguments, cores=cores, configfiles=configfiles, quiet=quiet),
         stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, timeout=900, env={**os.environ, **(env or {})},
     )  # fmt: skip
 

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from tests.described_files import undescribed
 from tests.motion_capture import LIVE_LINK, MARKERS, IemocapTree, moving, write_live_link, write_mocap, write_wav
 from tests.workflow.running import overlay, snakemake
 from visualspeech.corpora.findings import read_findings
@@ -97,6 +98,7 @@ def test_motion_capture_is_read_and_bad_utterances_cost_themselves(tmp_path):
     emotions = {one.id: one.emotion for one in read_utterances(tmp_path / "results/iemocap/utterances.tsv")}
     assert emotions["Ses01F_impro01_F004"] == emotions["Ses01F_impro01_F006"] == ""
     assert emotions["Ses01M_script01_1_M001"] == "anger"
+    assert undescribed(tmp_path / "results/iemocap") == undescribed(tmp_path / "results/live") == []
     again = snakemake(tmp_path, *targets, configfiles=files)
     assert again.returncode == 0 and "Nothing to be done" in again.stdout
 

@@ -5,6 +5,7 @@ import shutil
 import pandas
 import pytest
 
+from tests.described_files import undescribed
 from tests.workflow.running import overlay, snakemake
 from visualspeech.face.marker_coding import MarkerCoding
 from visualspeech.storage.arrays import ArrayReader
@@ -101,3 +102,7 @@ def test_two_speakers_have_statistics_of_their_own_and_emotions_a_table(pair):
     assert set(emotions["emotion"]) >= {"neutral", "happiness"}
     assert (pair / "sadoughi2017/figures/emotions.png").read_bytes().startswith(b"\x89PNG")
     assert "by region of the face and emotion" in (pair / "report.html").read_text()
+
+
+def test_every_file_is_described(run, pair):
+    assert undescribed(run[0] / "results/tiny") == undescribed(pair) == []

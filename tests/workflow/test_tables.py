@@ -5,6 +5,7 @@ import shutil
 
 import pytest
 
+from tests.described_files import undescribed
 from tests.workflow.running import of_system, overlay, snakemake
 from visualspeech.storage.tables import read_table
 
@@ -61,6 +62,7 @@ def test_a_preference_test_is_a_target(tiny_run, tmp_path):
     done = snakemake(tiny_run, blank, configfiles=overlay(tmp_path, changes))
     assert done.returncode == 0, done.stdout[-3000:]
     assert "100.0%" in (run / "tables" / "preference.md").read_text()
+    assert undescribed(run.parent) == []
     for path in (run / "tables").glob("preference.*"):
         path.unlink()
     (run / "preference_key.tsv").unlink()

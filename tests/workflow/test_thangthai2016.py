@@ -5,6 +5,7 @@ import shutil
 import pandas
 import pytest
 
+from tests.described_files import undescribed
 from tests.workflow.running import of_system, overlay, snakemake
 
 pytestmark = pytest.mark.xdist_group("workflow")
@@ -64,6 +65,7 @@ def test_the_number_of_visemes_is_a_target_of_its_own(run):
         "classes": [4, 9]}), name="numbers.yaml")  # fmt: skip
     done = snakemake(folder, "viseme_numbers", configfiles=few)
     assert done.returncode == 0, done.stdout[-4000:]
+    assert undescribed(folder / "results/tiny") == []
     table = pandas.read_csv(folder / "results/tiny/thangthai2016/tables/viseme_numbers.tsv", sep="\t", comment="#")
     assert sorted(set(table["classes"])) == [4, 9]
     many = overlay(files[1].parent, {"systems": ["thangthai2016"]}, of_system("thangthai2016", viseme_numbers={

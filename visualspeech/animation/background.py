@@ -5,15 +5,19 @@ order at the same cost. Landmarks, head pose and the reference face of each reco
 """
 
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import cached_property
 from pathlib import Path
 
 import numpy as np
 
-from visualspeech.errors import DamagedFile, DataError
+from visualspeech.errors import DamagedFile, DataError, SettingError
+from visualspeech.face import blinks
+from visualspeech.face.blinks import CLOSED
 from visualspeech.face.drift import FaceReference
 from visualspeech.face.pose import Pose
 from visualspeech.face.tracker import POINTS, RIGID
+from visualspeech.fields import shortened
 from visualspeech.storage.arrays import ArrayReader, ArrayWriter
 from visualspeech.storage.layouts import RATE, TEXT, Array, check_arrays, check_plain
 
@@ -40,6 +44,7 @@ class Background:
     rate : frame rate in Hz
     size : (width, height) in pixels
     path : of the file, for messages
+    names : of the C recordings
     """
 
     jpegs: tuple[bytes, ...]
@@ -52,6 +57,7 @@ class Background:
     rate: float
     size: tuple[int, int]
     path: str = ""
+    names: tuple[str, ...] = ()
 
     def __len__(self) -> int:
         return len(self.jpegs)
@@ -73,6 +79,11 @@ class Background:
             raise DamagedFile(self.path, f"frame {index + 1} is no JPEG of {self.size[0]} by {self.size[1]} pixels")
         return cv2.cvtColor(decoded, cv2.COLOR_BGR2RGB)
 
+    @cached_property
+    def distances(self) -> np.ndarray:
+        """:func:`frame_distances`, kept for all that is said on this background."""
+        return frame_distances(self)
+
     @classmethod
     def load(cls, path: str | Path) -> "Background":
         """The background that :func:`write_background` wrote.
@@ -83,7 +94,8 @@ class Background:
             The file is missing, damaged or of another kind.
         """
         with ArrayReader(path) as file:
-            recordings = [(file[name], file.attributes(name)) for name in file.ids]
+            names = tuple(file.ids)
+            recordings = [(file[name], file.attributes(name)) for name in names]
         if not recordings:
             raise DamagedFile(path, "it holds no recording")
         _check(path, recordings)
@@ -109,6 +121,32 @@ class Background:
             rate=float(first["rate"]),
             size=(int(first["width"]), int(first["height"])),
             path=str(path),
+            names=names,
+        )
+
+    def only(self, name: str) -> "Background":
+        """The frames of one of its recordings.
+
+        Raises
+        ------
+        SettingError
+            It has no recording of this name.
+        """
+        if name not in self.names:
+            listed = ", ".join(shortened(one, 40) for one in self.names[:20])
+            raise SettingError(f"the background has no recording {shortened(name)}; there are {listed}.")
+        number = self.names.index(name)
+        frames = np.flatnonzero(self.clip == number)
+        return replace(
+            self,
+            jpegs=tuple(self.jpegs[frame] for frame in frames),
+            landmarks=self.landmarks[frames],
+            pose=self.pose[frames],
+            clip=np.zeros(len(frames), int),
+            shapes=self.shapes[[number]],
+            textures=self.textures[[number]],
+            media=(self.media[number],),
+            names=(name,),
         )
 
 
@@ -192,13 +230,13 @@ def write_background(path: str | Path, clips: Iterable[tuple]) -> None:
                 raise DataError(f"{media} has {len(coded)} frames, {len(landmarks)} of landmarks, {len(pose)} poses.")
             total += len(coded)
             if total > MAX_FRAMES:
-                raise DataError(f"the background has more than {MAX_FRAMES} frames; name fewer in `speak.background`.")
+                raise DataError(f"the background has more than {MAX_FRAMES:,} frames; give fewer recordings.")
             if first is None:
                 first = size, rate
             if first != (size, rate):
                 raise DataError(
                     f"{media} has {size} pixels at {rate:g} Hz, the first background recording {first[0]} at "
-                    f"{first[1]:g} Hz; name recordings of one camera in `speak.background`."
+                    f"{first[1]:g} Hz; give recordings of one camera."
                 )
             arrays = {
                 "pictures": np.concatenate(coded),
@@ -218,6 +256,9 @@ def write_background(path: str | Path, clips: Iterable[tuple]) -> None:
 def choose_recordings(faces: Iterable[tuple[str, np.ndarray, FaceReference]], seconds: float, rate: float) -> list[str]:
     """Names of recordings with similar head position and light, the most typical one first.
 
+    Recordings with a double blink (:func:`visualspeech.face.blinks.double_blinks`) are taken only where the others do
+    not last long enough: played over and over again, a double blink catches the eye.
+
     Parameters
     ----------
     faces : name, landmarks (T, 68, 2) and reference face of each recording; taken one at a time
@@ -229,20 +270,22 @@ def choose_recordings(faces: Iterable[tuple[str, np.ndarray, FaceReference]], se
     DataError
         There is no recording.
     """
-    names, seats, lengths, lights = [], [], [], []
+    names, seats, lengths, lights, doubled = [], [], [], [], []
     for name, landmarks, face in faces:
         names.append(name)
         lengths.append(len(landmarks) / rate)
         seats.append(np.median(landmarks[:, RIGID], axis=0).ravel())
         lights.append(face.texture.reshape(3, -1).mean(axis=1) if face.texture.any() else np.zeros(3))
+        doubled.append(blinks.double_blinks(landmarks, rate) > 0)
     if not names:
         raise DataError("there is no recording to take the background from: every utterance was rejected.")
     seats, lights = np.array(seats), np.array(lights)
-    typical = np.argmin(_distances(seats, np.median(seats, axis=0)) + _distances(lights, np.median(lights, axis=0)))
+    distance = _distances(seats, np.median(seats, axis=0)) + _distances(lights, np.median(lights, axis=0))
+    typical = np.lexsort((distance, doubled))[0]
     # One pixel counts as much as one grey level: both are just visible in a transition.
     apart = _distances(seats, seats[typical]) + _distances(lights, lights[typical])
     chosen, total = [], 0.0
-    for number in np.argsort(apart, kind="stable"):
+    for number in np.lexsort((apart, doubled)):
         if total >= seconds and chosen:
             break
         chosen.append(names[number])
@@ -272,16 +315,9 @@ def frame_distances(background: Background) -> np.ndarray:
     return result.astype(np.float32)
 
 
-def eyes_closed(background: Background, share: float = 0.7) -> np.ndarray:
+def eyes_closed(background: Background, share: float = CLOSED) -> np.ndarray:
     """Whether the eyes are closed in each frame, (n,) bool: opened less than ``share`` of the median opening."""
-    points = background.landmarks.astype(np.float64)
-
-    def apart(a: int, b: int) -> np.ndarray:
-        return np.linalg.norm(points[:, a] - points[:, b], axis=1)
-
-    heights = apart(37, 41) + apart(38, 40) + apart(43, 47) + apart(44, 46)
-    opening = heights / (apart(36, 39) + apart(42, 45))
-    return opening < share * np.median(opening)
+    return blinks.eyes_closed(background.landmarks, share)
 
 
 def _all_distances(rows: np.ndarray) -> np.ndarray:

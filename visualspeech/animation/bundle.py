@@ -14,9 +14,10 @@ from pathlib import Path
 import numpy as np
 
 from visualspeech.animation.background import Background
+from visualspeech.animation.descriptions import read_description
 from visualspeech.animation.showable import BoundedModel, check_showable
 from visualspeech.animation.video import Speaker
-from visualspeech.errors import DamagedFile, DataError, StorageError, plain_reason
+from visualspeech.errors import DamagedFile, DataError, StorageError
 from visualspeech.face.aam.model import Aam
 from visualspeech.face.aam.reference import Reference
 from visualspeech.face.head import HeadModel
@@ -24,8 +25,8 @@ from visualspeech.models.inventory import needs_of_model, phones_of
 from visualspeech.models.registry import load_model
 from visualspeech.models.task import Model
 from visualspeech.provenance import file_digest
-from visualspeech.storage.files import read_text, write_text
-from visualspeech.storage.layouts import PHONES, RATE, TEXT, Array, FileLayout, check_plain, parse_plain
+from visualspeech.storage.files import write_text
+from visualspeech.storage.layouts import PHONES, RATE, TEXT, Array, FileLayout
 from visualspeech.storage.models import read_model_of, write_model
 
 KIND = "visualspeech speaker"
@@ -236,29 +237,14 @@ def _rest(path: Path) -> np.ndarray:
     return read_model_of(path, "face at rest", ["rest"], layout)[0]["appearance"]
 
 
+def parts_of(folder: str | Path) -> dict[str, str]:
+    """Digest of each part of a speaker; raises StorageError where the folder is none."""
+    return _description(Path(folder))["parts"]
+
+
 def _description(folder: Path) -> dict:
-    path = folder / DESCRIPTION
-    if not path.is_file():
-        raise StorageError(
-            f"{folder} is no speaker: it holds no {DESCRIPTION}. Give a folder written by the workflow's target "
-            "`speaker`, results/<corpus>/<system>/speakers/<model>."
-        )
-    try:
-        about = parse_plain(read_text(path))
-        known = isinstance(about, dict) and about.get("kind") == KIND
-        if known and about.get("version") != VERSION:
-            version = str(about.get("version"))[:20]
-            raise StorageError(
-                f"{folder} is a speaker of version {version}, but this program reads version {VERSION}. {REMEDY}"
-            )
-        if not known:
-            raise DamagedFile(path, "it does not describe a speaker of this project")
-        check_plain(path, about, _SCHEMA)
-    except DamagedFile as error:
-        raise DamagedFile(path, error.reason, REMEDY) from error
-    except (ValueError, RecursionError) as error:
-        raise DamagedFile(path, f"it is no JSON ({plain_reason(error)})", REMEDY) from error
-    return about
+    origin = "Give a folder written by the workflow's target `speaker`, results/<corpus>/<system>/speakers/<model>."
+    return read_description(folder / DESCRIPTION, "speaker", KIND, VERSION, _SCHEMA, origin, REMEDY)
 
 
 _SHARE = {"type": "number", "minimum": 0, "maximum": 1}

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from visualspeech.animation.timings import Timings
 from visualspeech.errors import DataError
 from visualspeech.features.blocks.base import Source
 from visualspeech.jobs import log
@@ -56,7 +57,9 @@ class Performance:
             yield self.samples[start : start + step].astype(np.float32) / FULL_SCALE
 
 
-def perform(spoken: Iterable[Spoken], model: Model, rest: np.ndarray, ramp: float = REST) -> Performance:
+def perform(
+    spoken: Iterable[Spoken], model: Model, rest: np.ndarray, ramp: float = REST, timings: Timings | None = None
+) -> Performance:
     """Predict the appearance of all sentences, one after the other; memory does not grow with their number.
 
     Parameters
@@ -65,6 +68,7 @@ def perform(spoken: Iterable[Spoken], model: Model, rest: np.ndarray, ramp: floa
     rest : (N,) appearance at rest
     ramp : seconds from the border of a pause until the face is fully at rest; at the border the appearance is that of
         the model, inside the pause that of the face at rest
+    timings : to which the words and phones of every sentence are added
 
     Raises
     ------
@@ -92,7 +96,10 @@ def perform(spoken: Iterable[Spoken], model: Model, rest: np.ndarray, ramp: floa
             )
         # Sentences end at frame borders, so the last frame is filled with silence. An excess of one sample is rounding.
         count = max(1, int(np.ceil((len(one.samples) - 1) / one.rate * model.rate - 1e-6)))
+        begin = len(faces) / model.rate
         faces.append(face_of(alignment, count, model, rest, ramp, _sound(one, model), one.begin))
+        if timings is not None:
+            timings.add(one.alignment, begin, len(faces) / model.rate)
         length = round(len(faces) * one.rate / model.rate) - len(samples)
         sound = np.pad(one.samples, (0, max(0, length - len(one.samples))))[:length]
         samples.append(np.clip(np.rint(sound * FULL_SCALE), -FULL_SCALE, FULL_SCALE - 1))

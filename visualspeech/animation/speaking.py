@@ -5,14 +5,16 @@ frames are rendered and encoded one at a time, so memory does not grow with the 
 """
 
 from collections.abc import Iterable, Iterator
+from contextlib import ExitStack
 from dataclasses import dataclass
 from itertools import islice
 from pathlib import Path
 
 import numpy as np
 
-from visualspeech.animation.background import Background, eyes_closed, frame_distances
+from visualspeech.animation.background import Background, eyes_closed
 from visualspeech.animation.bundle import SpeakerBundle
+from visualspeech.animation.frame_files import SOUND, barred, save_sound, saved, scaled
 from visualspeech.animation.label import labelled
 from visualspeech.animation.performance import Performance
 from visualspeech.animation.rendering import Placement, RenderSettings, place, stitched
@@ -24,6 +26,8 @@ from visualspeech.features.resampling import resample
 from visualspeech.jobs import progress
 from visualspeech.media.encoding import write_video
 from visualspeech.media.prefetching import prefetched
+from visualspeech.media.webm import write_webm
+from visualspeech.storage.files import replacing
 
 PRESET = "veryfast"  # with slower presets of x264, encoding would take most of the time
 _FRAMES_AT_A_TIME = 100  # frames whose lower face is positioned at a time
@@ -55,7 +59,7 @@ def scene(background: Background, frames: int, settings: WalkSettings | None = N
 
 def endless_background(background: Background, settings: WalkSettings | None = None) -> Iterator[Mix]:
     """Endless sequence of frames of a background (:func:`visualspeech.animation.walk.walk`)."""
-    return walk(frame_distances(background), background.clip, background.rate, settings, eyes_closed(background))
+    return walk(background.distances, background.clip, background.rate, settings, eyes_closed(background))
 
 
 def scene_of(background: Background, mixes: list[Mix]) -> Scene:
@@ -85,7 +89,11 @@ def place_in_scene(appearance: np.ndarray, bundle: SpeakerBundle, scene: Scene, 
 
 
 def speaking_frames(
-    appearance, bundle: SpeakerBundle, settings: SpeakSettings | None = None, rate: float | None = None
+    appearance,
+    bundle: SpeakerBundle,
+    settings: SpeakSettings | None = None,
+    rate: float | None = None,
+    size: tuple[int, int] | None = None,
 ) -> Iterator[np.ndarray]:
     """Yield frames of the speaker with the lower face of an appearance, at the frame rate of the background.
 
@@ -93,41 +101,69 @@ def speaking_frames(
     ----------
     appearance : (T, N), an array or a :class:`Spool`; it is read a few seconds at a time
     rate : of the appearance in Hz; default: that of the background
+    size : (width, height) of the frames in pixels; default: that of the background. Where their shapes differ, the
+        rest is black
     """
     settings = settings or SpeakSettings()
     parts = _parts(appearance, rate or bundle.background.rate, bundle, settings)
     for frame in stitched(parts, bundle.speaker.reference, settings.rendering, rate=bundle.background.rate):
-        frame = labelled(frame, LABEL) if settings.label else frame
+        frame = scaled(frame, size)
+        frame = barred(labelled(frame, LABEL) if settings.label else frame, size)
         height, width = frame.shape[:2]
         # H.264 halves the colour planes, so an odd last row or column is repeated.
         yield np.pad(frame, ((0, height % 2), (0, width % 2), (0, 0)), mode="edge")
 
 
 def speak(
-    path: str | Path,
+    path: str | Path | None,
     performance: Performance,
     bundle: SpeakerBundle,
     voice: str,
     settings: SpeakSettings | None = None,
-) -> None:
-    """Write the video of a performance, with its sound.
+    *,
+    size: tuple[int, int] | None = None,
+    frames_folder: str | Path | None = None,
+) -> int:
+    """Write the video of a performance with its sound, its frames as numbered PNGs, or both.
 
     Parameters
     ----------
+    path : of the video; its suffix chooses the format: ``.webm`` is VP9 and Opus, any other H.264 and AAC in a
+        container of that suffix (``.mp4``, ``.mov``). None: no video
     voice : source of the sound, for the metadata
+    size : as for :func:`speaking_frames`
+    frames_folder : for the PNGs and ``sound.wav``; an existing folder is replaced. None: no PNGs
+
+    Returns
+    -------
+    Number of frames
 
     Raises
     ------
     StorageError
-        The video cannot be written.
+        A file cannot be written.
     """
     rate = bundle.background.rate
     count = _frames(len(performance.appearance), performance.rate, rate)
-    frames = speaking_frames(performance.appearance, bundle, settings, performance.rate)
-    # One core renders frames while another one encodes earlier frames.
-    frames = progress(prefetched(frames, 8), count, "frames")
+    frames = speaking_frames(performance.appearance, bundle, settings, performance.rate, size)
     metadata = speech_metadata(performance.text, bundle, voice)
-    write_video(path, frames, rate, performance.sound(), performance.audio_rate, metadata, preset=PRESET)
+    with ExitStack() as made:
+        if frames_folder is not None:
+            folder = made.enter_context(replacing(frames_folder))
+            folder.mkdir()
+            save_sound(performance.sound(), performance.audio_rate, folder / SOUND)
+            frames = saved(frames, folder, metadata)
+        # One core renders frames while another one encodes earlier frames.
+        frames = progress(prefetched(frames, 8), count, "frames")
+        sound = performance.sound(), performance.audio_rate, metadata
+        if path is None:
+            for _ in frames:
+                pass
+        elif Path(path).suffix.lower() == ".webm":
+            write_webm(path, frames, rate, *sound)
+        else:
+            write_video(path, frames, rate, *sound, preset=PRESET)
+    return count
 
 
 def speech_metadata(text: str, bundle: SpeakerBundle, voice: str) -> dict[str, str]:

@@ -13,7 +13,7 @@ from pathlib import Path
 import numpy as np
 
 from visualspeech.corpora.check_settings import CheckSettings
-from visualspeech.corpora.findings import WARN, Finding, attempt, rejection
+from visualspeech.corpora.findings import UNLISTED, WARN, Finding, attempt, rejection
 from visualspeech.corpora.records import Utterance
 from visualspeech.errors import RejectedUtterance
 from visualspeech.media import reading
@@ -96,7 +96,7 @@ def check_recording(
         unknown = unknown_words(utterance.transcript)
         if unknown:
             warn(
-                f"not in the pronunciation dictionary: {', '.join(dict.fromkeys(unknown))}",
+                f"{UNLISTED}{', '.join(dict.fromkeys(unknown))}",
                 "Correct spelling mistakes. Other words are pronounced by letter-to-sound rules.",
             )
         return np.round(np.clip(sound, -1, 1) * 32767).astype(np.int16)

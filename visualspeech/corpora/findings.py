@@ -15,6 +15,8 @@ from visualspeech.jobs import log_defect
 from visualspeech.storage.tables import read_table, write_table
 
 REJECT, WARN = "reject", "warn"
+#: Begins the finding of words whose pronunciation is guessed, which follow with commas between them.
+UNLISTED = "not in the pronunciation dictionary: "
 #: What concerns the run, not one utterance. A full disk is an :class:`OSError`, see :func:`attempt`.
 OF_THE_RUN = (StorageError, SettingError, CorpusError, MemoryError)
 FULL_DISK = (errno.ENOSPC, errno.EDQUOT)

@@ -214,6 +214,7 @@ def comparison_tables(
                 rows=tuple(rows),
                 facts=() if tables else tuple(facts),
                 notes=() if tables else _notes(len(part), measured.utterances, settings),
+                metrics=(name,) * 5,
             )
         )
     return tuple(tables)

@@ -10,14 +10,30 @@ _TEX = {
     "\u00a0": "~",
     "~": r"\textasciitilde{}",
     "^": r"\textasciicircum{}",
+    "|": r"\textbar{}",
     "<": r"\textless{}",
     ">": r"\textgreater{}",
     "“": "``",
     "”": "''",
     "–": "--",
+    "—": "---",
+    "‘": "`",
+    "’": "'",
+    "…": r"\dots{}",
     "±": r"$\pm$",
     "−": "$-$",
     "×": r"$\times$",
+    "·": r"$\cdot$",
+    "≤": r"$\leq$",
+    "≥": r"$\geq$",
+    "≈": r"$\approx$",
+    "∆": r"$\Delta$",
+    "Δ": r"$\Delta$",
+    "µ": r"$\mu$",
+    "μ": r"$\mu$",
+    "σ": r"$\sigma$",
+    "°": r"$^\circ$",
+    "²": r"$^2$",
     "†": r"\textdagger{}",
     "↓": r"$\downarrow$",
     "↑": r"$\uparrow$",
@@ -26,8 +42,18 @@ _TEX = {
 
 
 def tex(text: str) -> str:
-    """Text escaped for LaTeX."""
-    return "".join(_TEX.get(sign, sign) for sign in text)
+    """Text escaped for LaTeX, on one line; what pdfLaTeX cannot set stays (:func:`is_in_tex`)."""
+    return "".join(_TEX.get(sign, sign) for sign in " ".join(_lines(text)))
+
+
+def is_in_tex(sign: str) -> bool:
+    """Whether a character of escaped text is one that LaTeX with UTF-8 sets in its usual fonts: Latin letters."""
+    return sign < "\u0180"
+
+
+def _lines(text: str) -> list[str]:
+    """The lines of a text, without the characters that end or control them."""
+    return ["".join(sign for sign in line if sign.isprintable() or sign == "\u00a0") for line in text.splitlines()]
 
 
 def markdown(text: str) -> str:

@@ -1,10 +1,11 @@
-"""Tables as TSV, Markdown, LaTeX and HTML."""
+"""Tables as TSV, Markdown and HTML; as LaTeX they are written by :mod:`visualspeech.evaluation.latex`."""
 
 import html
 from collections.abc import Sequence
 
 from visualspeech.errors import StorageError
-from visualspeech.evaluation.escaping import markdown, tex
+from visualspeech.evaluation.escaping import markdown
+from visualspeech.evaluation.latex import LatexSettings, to_latex
 from visualspeech.evaluation.layout import Cell, Row, Table
 from visualspeech.storage.tables import table_text
 
@@ -17,13 +18,16 @@ PAGE_STYLE = (
 )
 
 
-def all_forms(frame, tables: Sequence[Table], title: str) -> tuple[str, str, str, str]:
+def all_forms(
+    frame, tables: Sequence[Table], title: str, latex: LatexSettings | None = None
+) -> tuple[str, str, str, str]:
     """The texts of the TSV, Markdown, LaTeX and HTML files of a data frame and its tables.
 
-    The TSV begins with the facts of the first table, on lines that begin with ``#``.
+    The TSV begins with the facts of the first table, on lines that begin with ``#``. ``latex`` chooses rows and
+    measures of the LaTeX file.
     """
     facts = "".join(f"# {_flat(name)}: {_flat(text)}\n" for name, text in (tables[0].facts if tables else ()))
-    return facts + table_text(frame), to_markdown(tables), to_latex(tables), to_html_page(tables, title)
+    return facts + table_text(frame), to_markdown(tables), to_latex(tables, latex), to_html_page(tables, title)
 
 
 def _flat(text: str) -> str:
@@ -57,43 +61,6 @@ def _markdown_cell(cell: Cell) -> str:
     mark = ("**" if cell.best else "") + ("*" if cell.collapsed else "")
     text = markdown(cell.text) + ("†" if cell.collapsed else "") if cell.text else "–"
     return f"{mark}{text}{mark[::-1]} {markdown(cell.small)}".rstrip()
-
-
-def to_latex(tables: Sequence[Table]) -> str:
-    """LaTeX table environments (packages ``booktabs``, ``graphicx``); facts, notes and definitions in the caption."""
-    return "\n".join(line for table in tables for line in _latex_table(table))
-
-
-def _latex_table(table: Table) -> list[str]:
-    width = len(table.columns)
-    lines = [r"\begin{table}", r"\centering", rf"\caption{{{tex(_caption(table))}}}"]
-    lines += [rf"\resizebox{{\linewidth}}{{!}}{{\begin{{tabular}}{{l{'r' * width}}}", r"\toprule"]
-    if table.groups:
-        spans = [rf"\multicolumn{{{span}}}{{c}}{{{tex(name)}}}" for name, span in table.groups]
-        lines.append(" & ".join([tex(table.corner), *spans]) + r" \\")
-    corner = "" if table.groups else tex(table.corner)
-    lines += [" & ".join([corner, *map(tex, table.columns)]) + r" \\", r"\midrule"]
-    for row in table.rows:
-        if row.cells:
-            lines.append(" & ".join([tex(row.title), *map(_latex_cell, row.cells)]) + r" \\")
-        else:
-            lines.append(rf"\multicolumn{{{width + 1}}}{{l}}{{\itshape {tex(row.title)}}} \\")
-    return [*lines, r"\bottomrule", r"\end{tabular}}", r"\end{table}", ""]
-
-
-def _caption(table: Table) -> str:
-    facts = "; ".join(f"{name}: {text}" for name, text in table.facts)
-    definitions = (f"{term}: {text}" for term, text in table.definitions)
-    return " ".join([f"{table.title}.", *([f"{facts}."] if facts else []), *table.notes, *definitions])
-
-
-def _latex_cell(cell: Cell) -> str:
-    text = tex(cell.text) + (r"\textdagger{}" if cell.collapsed else "") if cell.text else "--"
-    if cell.collapsed:
-        text = rf"\textit{{{text}}}"
-    if cell.best:
-        text = rf"\textbf{{{text}}}"
-    return text + (rf"{{\scriptsize\ {tex(cell.small)}}}" if cell.small else "")
 
 
 def to_html(tables: Sequence[Table]) -> str:

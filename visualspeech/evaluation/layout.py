@@ -38,11 +38,13 @@ class Row:
     title : heading of the row
     cells : one per column; none if the title is a heading of the rows below it
     role : of :data:`visualspeech.models.rows.ROLES`; baselines and the floor are less prominent
+    name : of the model that the row is of, by which settings choose it; empty where it is of none
     """
 
     title: str
     cells: tuple[Cell, ...] = ()
     role: str = "model"
+    name: str = ""
 
 
 @dataclass(frozen=True)
@@ -59,6 +61,9 @@ class Table:
     notes : sentences below the table
     definitions : (term, definition) pairs below the table
     corner : heading of the first column
+    metrics : the measure that each column is of, by name, by which settings choose it; may be empty, of one or of all
+    ranked : whether the best value in each column is bold
+    ratios : whether the figures are ratios to the training mean
     """
 
     title: str
@@ -69,6 +74,9 @@ class Table:
     notes: tuple[str, ...] = ()
     definitions: tuple[tuple[str, str], ...] = ()
     corner: str = ""
+    metrics: tuple[str, ...] = ()
+    ranked: bool = False
+    ratios: bool = False
 
 
 def shown(value: float, digits: int) -> str:

@@ -2,11 +2,16 @@
 
 from dataclasses import dataclass
 
-from visualspeech.evaluation.metrics import METRICS
 from visualspeech.fields import Settings, setting, setting_error
 
 _LINE = r"[^\r\n]*"
-_NAMED = {"description": "A measure; its formula is in docs/papers.md.", "choices": METRICS}
+#: Rules of the name of a measure; planning knows which there are (:mod:`visualspeech.planning.own_metrics`).
+NAMED = {
+    "description": "A measure of docs/papers.md, or `module:function`, one of your own (docs/tables.md).",
+    "min_length": 1,
+    "max_length": 1000,
+    "pattern": _LINE,
+}
 
 
 @dataclass(frozen=True)
@@ -25,7 +30,7 @@ class SelectionSettings(Settings):
     metrics: tuple[str, ...] = setting(
         ("corr_first5", "rmse_first5"),
         "Measures shown as mean and standard deviation over utterances, those of a published table first of all.",
-        item=_NAMED,
+        item=NAMED,
         min_items=1,
         max_items=100,
         unique=True,
@@ -33,7 +38,7 @@ class SelectionSettings(Settings):
     intervals: tuple[str, ...] = setting(
         (),
         "Measures shown as figures of the corpus with their intervals, and with paired differences to `reference`.",
-        item=_NAMED,
+        item=NAMED,
         max_items=100,
         unique=True,
     )

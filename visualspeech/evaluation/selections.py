@@ -123,6 +123,8 @@ def selection_tables(
         notes=notes,
         definitions=definitions_of(metrics),
         corner=settings.down and f"{settings.down} / {settings.across}",
+        metrics=tuple(metric.name for metric in metrics) if not settings.across else (),
+        ranked=not settings.across,
     )
     tables = [first]
     if settings.intervals:
@@ -137,7 +139,11 @@ def _arranged(rows: Sequence[ModelRow], metrics: Sequence[Metric], settings: Sel
     """Columns, rows and groups of a table: a line per row, or one setting down and another across."""
     headings = tuple(metric.heading for metric in metrics)
     if not settings.across:
-        return headings, tuple(Row(row.title, tuple(cell(row, m) for m in metrics), row.role) for row in rows), ()
+        return (
+            headings,
+            tuple(Row(row.title, tuple(cell(row, m) for m in metrics), row.role, row.name) for row in rows),
+            (),
+        )
     found = {(row.settings.get(settings.down), row.settings.get(settings.across)): row for row in rows}
     down, across = (list(dict.fromkeys(key[number] for key in found)) for number in range(2))
     lines = tuple(
@@ -172,7 +178,7 @@ def _with_intervals(
                 excludes = bool(low > 0 or high < 0)
                 text = "" if own else shown(line.difference, digits)
                 cells.append(Cell(text, "" if own else _interval(low, high, digits), best=not own and excludes))
-        rows.append(Row(row.title, tuple(cells), row.role))
+        rows.append(Row(row.title, tuple(cells), row.role, row.name))
     difference = ("difference",) if reference else ()
     marked = f"Differences are to “{reference}”, paired over utterances, and bold if their interval excludes 0."
     return Table(
@@ -185,6 +191,7 @@ def _with_intervals(
         ),
         notes=((marked,) if reference else ()) + oracle_note(pooled.rows),
         definitions=definitions_of(metrics),
+        metrics=tuple(metric.name for metric in metrics for _ in range(1 + bool(reference))),
     )
 
 

@@ -16,6 +16,7 @@ from visualspeech.evaluation.layout import (
 )
 from visualspeech.evaluation.measured import MeasuredRows
 from visualspeech.evaluation.metrics import METRICS, PROTOCOLS, Metric
+from visualspeech.evaluation.selection_settings import NAMED
 from visualspeech.evaluation.statistics import BootstrapSettings, summarise
 from visualspeech.fields import Settings, setting
 
@@ -36,7 +37,7 @@ class TableSettings(Settings):
         ),
         "Measures shown, in the order of the columns; those of the absolute protocol in a table of their own, and only "
         "where they are defined.",
-        item={"description": "A measure; its formula is in docs/papers.md.", "choices": METRICS},
+        item=NAMED,
         min_items=1,
         max_items=100,
         unique=True,
@@ -110,6 +111,7 @@ def _of_seeds(seeds: MeasuredRows, metrics, cells: Mapping, title: str) -> Table
         tuple(metric.heading for metric in metrics),
         _rows(seeds, metrics, cells, "value", frozenset()),
         notes=("Intervals are over utterances alone.",),
+        metrics=tuple(metric.name for metric in metrics),
     )
 
 
@@ -122,6 +124,8 @@ def _pair(measured: MeasuredRows, metrics, cells: Mapping, title: str, facts) ->
         _rows(measured, metrics, cells, "value", best_cells(measured, metrics, cells)),
         facts=facts,
         notes=("The best value in each column is bold.", *oracle_note(measured.rows)),
+        metrics=tuple(metric.name for metric in metrics),
+        ranked=True,
     )
     ratios = Table(
         f"{title}: ratio to the {base}",
@@ -129,6 +133,8 @@ def _pair(measured: MeasuredRows, metrics, cells: Mapping, title: str, facts) ->
         _rows(measured, metrics, cells, "ratio", frozenset()),
         notes=_note(base, [cells[row.name, metric.name] for row in measured.rows for metric in metrics]),
         definitions=definitions_of(metrics),
+        metrics=tuple(metric.name for metric in metrics),
+        ratios=True,
     )
     return figures, ratios
 
@@ -154,6 +160,7 @@ def _rows(measured: MeasuredRows, metrics, cells, part: str, best: frozenset) ->
                 for cell in (cells[row.name, metric.name],)
             ),
             row.role,
+            row.name,
         )
         for row in measured.rows
     )

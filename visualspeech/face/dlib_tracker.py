@@ -13,7 +13,7 @@ import functools
 
 import numpy as np
 
-from visualspeech.face.tracker import RIGID, LandmarkSettings
+from visualspeech.face.tracker import RIGID, LandmarkSettings, TrackedVideo
 
 # The box in units of the RMS radius of the rigid points: its side, and how far its centre lies below theirs. The
 # detector draws it at 5.39 and 0.40 on GRID's s1 on average; a little smaller and lower, the points jitter less
@@ -46,12 +46,12 @@ def _models():
 class DlibTracker:
     """Follows the face of one recording; see :class:`visualspeech.face.tracker.Tracker`."""
 
-    def __init__(self, settings: LandmarkSettings, rate: float) -> None:
+    def __init__(self, settings: LandmarkSettings, video: TrackedVideo) -> None:
         import cv2
 
         self._cv = cv2
         self._settings = settings
-        self._search_every = max(round(settings.detection_interval * rate), 1)  # frames
+        self._search_every = max(round(settings.detection_interval * video.rate), 1)  # frames
         self._detector, self._predictor = _models()
         self._box = None  # centre x, centre y, side, roll (radians)
         self._confirmed = None  # small image of the face that was confirmed last
@@ -61,7 +61,7 @@ class DlibTracker:
     def faces(self) -> int:
         return self._faces
 
-    def next(self, frame: np.ndarray) -> np.ndarray | None:
+    def next(self, frame: np.ndarray, number: int) -> np.ndarray | None:
         grey = self._cv.cvtColor(frame, self._cv.COLOR_RGB2GRAY)
         self._frame += 1
         known = self._box is not None and not self._due()

@@ -1,12 +1,12 @@
 """Landmarks: the 68 iBUG points of the speaker's face in every frame of a recording.
 
-The tracker is replaceable: whatever satisfies :class:`visualspeech.face.tracker.Tracker` can be registered in
-:data:`visualspeech.face.tracker.TRACKERS`. The default one is dlib's regression-tree predictor (Kazemi & Sullivan,
-CVPR 2014), fed with a crop that follows the face.
+The tracker is replaceable: whatever satisfies :class:`visualspeech.face.tracker.Tracker` can be named in the settings.
+The default one is dlib's regression-tree predictor (Kazemi & Sullivan, CVPR 2014), fed with a crop that follows the
+face. Landmarks of another program can be read from files instead (:mod:`visualspeech.face.landmark_csv`).
 
 Licence of the default tracker's model: the 68-point model file of ``face-recognition-models`` was trained on the iBUG
-300-W images, whose licence excludes commercial use. Ask Imperial College London before you use it in a product, or
-register another tracker.
+300-W images, whose licence excludes commercial use. Ask Imperial College London before you use it in a product, or name
+another tracker.
 """
 
 from collections.abc import Iterable
@@ -15,7 +15,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from visualspeech.errors import RejectedUtterance
-from visualspeech.face.tracker import POINTS, TRACKERS, LandmarkSettings
+from visualspeech.face.tracker import POINTS, LandmarkSettings, TrackedVideo
+from visualspeech.face.tracker_loading import checked_points, load_tracker
 
 
 @dataclass(frozen=True)
@@ -37,7 +38,15 @@ class Landmarks:
     findings: tuple[str, ...] = ()
 
 
-def track(frames: Iterable[np.ndarray], settings: LandmarkSettings | None = None, *, rate: float) -> Landmarks:
+def track(
+    frames: Iterable[np.ndarray],
+    settings: LandmarkSettings | None = None,
+    *,
+    rate: float,
+    path: str = "",
+    first: int = 0,
+    folder: str = "",
+) -> Landmarks:
     """Follow the face through a recording. Frames are taken one at a time, so memory does not grow with their size.
 
     Parameters
@@ -45,30 +54,40 @@ def track(frames: Iterable[np.ndarray], settings: LandmarkSettings | None = None
     frames : RGB frames (height, width, 3) uint8, all of one size
     settings : tracker and its settings
     rate : frame rate in Hz
+    path, first : of the recording, and the number in it of the first frame; trackers are told both
+    folder : in which the module of a tracker of one's own lies (:func:`load_tracker`)
 
     Raises
     ------
     RejectedUtterance
         There are no frames, their size changes, there is no face, or it is missing in too many frames.
+    SettingError
+        A tracker of one's own cannot be loaded, or returns no points.
     """
     settings = settings or LandmarkSettings()
-    tracker = TRACKERS[settings.tracker](settings, rate)
+    video = TrackedVideo(str(path), rate, first)
+    tracker = load_tracker(settings, video, folder)
     found, size = [], None
-    for frame in frames:
+    for number, frame in enumerate(frames, start=first):
         if size is not None and frame.shape[:2] != size:
             raise RejectedUtterance(
                 "the frame size changes within the recording", "Convert the video to one frame size."
             )
         size = frame.shape[:2]
-        found.append(tracker.next(frame))
+        found.append(checked_points(tracker.next(frame, number), settings, video, number))
     if size is None:
         raise RejectedUtterance("no video frames", "The video stream is empty: copy or record the file again.")
     detected = np.array([points is not None for points in found])
-    check_coverage(detected, rate, settings)
+    warnings = list(getattr(tracker, "warnings", list)())
+    try:
+        check_coverage(detected, rate, settings)
+    except RejectedUtterance as error:
+        remedy = getattr(tracker, "remedy", error.remedy)
+        raise RejectedUtterance("; ".join([error.reason, *warnings]), remedy) from error
     points = fill_gaps(np.stack([np.full((POINTS, 2), np.nan) if p is None else p for p in found]), detected)
-    findings = []
-    if tracker.faces() > 1:
-        findings.append(f"{tracker.faces()} faces in one frame; the largest was followed")
+    faces, findings = getattr(tracker, "faces", lambda: 1)(), [*warnings]
+    if faces > 1:
+        findings.append(f"{faces} faces in one frame; the largest was followed")
     if not detected.all():
         findings.append(f"no face in {(~detected).sum()} of {len(detected)} frames; their points are interpolated")
     return Landmarks(

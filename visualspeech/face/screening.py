@@ -124,8 +124,13 @@ def track_screened(
     rate: float,
     landmark_settings: LandmarkSettings | None = None,
     settings: ScreeningSettings | None = None,
+    **video,
 ) -> Landmarks:
-    """Track the face of one recording (see :func:`visualspeech.face.landmarks.track`) and judge it.
+    """Track the face of one recording and judge it.
+
+    Parameters
+    ----------
+    video : ``path``, ``first`` and ``folder`` of :func:`visualspeech.face.landmarks.track`
 
     Raises
     ------
@@ -135,7 +140,7 @@ def track_screened(
     settings = settings or ScreeningSettings()
     watch = FrameWatch()
     try:
-        landmarks = track(watch.through(_in_runs(frames)), landmark_settings, rate=rate)
+        landmarks = track(watch.through(_in_runs(frames)), landmark_settings, rate=rate, **video)
     except RejectedUtterance:
         check_frames(watch.measures(), rate, settings)
         raise
@@ -150,18 +155,27 @@ def track_recording(
     end: float,
     landmark_settings: LandmarkSettings | None = None,
     settings: ScreeningSettings | None = None,
+    folder: str = "",
 ) -> tuple[Landmarks, float]:
     """Landmarks of a segment of a recording (:func:`track_screened`), and its frame rate in Hz.
+
+    Parameters
+    ----------
+    start, end : seconds, as for :func:`visualspeech.media.reading.read_frames`
+    folder : in which the module of a tracker of one's own lies
 
     Raises
     ------
     RejectedUtterance
         The recording cannot be read, is broken or has no usable face.
+    SettingError
+        A tracker of one's own cannot be loaded, or returns no points.
     """
     from visualspeech.media.reading import probe, read_frames
 
     rate = probe(path).rate
-    return track_screened(read_frames(path, start, end), rate, landmark_settings, settings), rate
+    video = {"path": str(path), "first": int(np.floor(start * rate + 0.5)), "folder": folder}
+    return track_screened(read_frames(path, start, end), rate, landmark_settings, settings, **video), rate
 
 
 def _in_runs(frames: Iterable[np.ndarray], size: int = 25) -> Iterator[np.ndarray]:

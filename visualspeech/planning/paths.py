@@ -11,12 +11,12 @@ _BELOW = 600  # bytes that the paths of results are longer than the folder of th
 def path_mistakes(settings: Mapping) -> list[str]:
     """What is wrong with the paths of resolved settings, a sentence for each mistake; existence is not checked."""
     paths = [("results", settings["results"], MAX_PATH - _BELOW)]
-    paths += [(where, path, MAX_PATH) for where, path in (*_roots(settings), *_files(settings))]
+    paths += [(where, path, MAX_PATH) for where, path in (*recording_folders(settings), *_files(settings))]
     impossible = [sentence for one in paths for sentence in _impossible(*one)]
     return impossible or _overlaps(settings)
 
 
-def _roots(settings: Mapping) -> Iterator[tuple[str, str]]:
+def recording_folders(settings: Mapping) -> Iterator[tuple[str, str]]:
     """Place in the settings and path of the folders of recordings."""
     for name, corpus in settings["corpora"].items():
         if corpus["root"] and corpus["adapter"] != "demo":
@@ -32,6 +32,8 @@ def _files(settings: Mapping) -> Iterator[tuple[str, str]]:
             yield f"corpora.{name}.table", str(Path(os.path.expanduser(corpus["root"]), corpus["table"]))
     if settings["speak"]["file"]:
         yield "speak.file", settings["speak"]["file"]
+    if settings["landmarks"]["folder"]:
+        yield "landmarks.folder", settings["landmarks"]["folder"]
     for name, system in settings["systems"].items():
         if system["preference"]["answers"]:
             yield f"systems.{name}.preference.answers", system["preference"]["answers"]
@@ -54,7 +56,7 @@ def _overlaps(settings: Mapping) -> list[str]:
     results = os.path.realpath(settings["results"])
     written = [os.path.join(results, name) for name in settings["corpora"]]
     found = []
-    for where, path in _roots(settings):
+    for where, path in recording_folders(settings):
         root = os.path.realpath(os.path.expanduser(path))
         if _holds(root, results) or any(_holds(folder, root) for folder in written):
             found.append(
@@ -62,7 +64,7 @@ def _overlaps(settings: Mapping) -> list[str]:
                 "`results` to a folder outside, or put the recordings into a folder of their own."
             )
     for where, path in _files(settings):
-        file = os.path.realpath(path)
+        file = os.path.realpath(os.path.expanduser(path))
         if any(_holds(folder, file) for folder in written):
             found.append(f"`{where}: {path}` lies among the results, which replace files; copy it to another folder.")
     return found

@@ -13,6 +13,7 @@ from visualspeech.errors import SettingError
 from visualspeech.planning.blocks import speaking_mistakes
 from visualspeech.planning.codings import coding_schema, complete_coding, kind_mistakes, no_picture, with_needs
 from visualspeech.planning.corpora import CorpusPlan, plan_corpus
+from visualspeech.planning.misplaced import misplaced, override_mistakes
 from visualspeech.planning.paths import path_mistakes
 from visualspeech.planning.studies import complete_study, read_studies
 from visualspeech.planning.systems import (
@@ -54,15 +55,15 @@ def resolve(config: Mapping, folder: Path) -> dict:
         for name in ("run", *KINDS.values())
     }
     config = plain_data(config)
-    misplaced = [
-        key for key in config if key not in schemas["run"]["properties"] and key in schemas["system"]["properties"]
-    ]
-    found = [
-        f"`{key}` is a key of systems, not of the run; write it below `override.systems` and the system's name."
-        for key in misplaced
-    ]
-    found += mistakes({key: value for key, value in config.items() if key not in misplaced}, schemas["run"])
-    if mistakes(config, _part(schemas["run"], SELECTING)):
+    elsewhere, override = misplaced(config, schemas, folder), config.get("override")
+    found = [*elsewhere.values()]
+    if wrong := override_mistakes(override, schemas, config, folder):
+        found += wrong.values()
+        override = {key: value for key, value in override.items() if key not in wrong}
+    known = {key: value for key, value in config.items() if key not in elsewhere}
+    known |= {"override": override} if "override" in known else {}
+    found += mistakes(known, schemas["run"])
+    if mistakes(known, _part(schemas["run"], SELECTING)):
         raise SettingError("\n".join(found))
     try:
         systems, codings, corpora, studies = _read(config, folder)

@@ -19,6 +19,7 @@ from visualspeech.planning.blocks import (
     segment_mistakes,
     viseme_number_mistakes,
 )
+from visualspeech.planning.own_metrics import metric_mistakes, own_metrics
 from visualspeech.planning.tables import resolved_tables, rows_of_entries, table_mistakes
 from visualspeech.schema import check, mistakes, unknown
 from visualspeech.settings import merged, read_yaml
@@ -33,6 +34,8 @@ NEEDS = {
     "one_speaker": "recordings of one speaker (select one with `speaker` of the corpus)",
     "emotion": "an emotion label of the utterances",
 }
+#: Kinds of input blocks that a program gives (:func:`visualspeech.train`) and no system can have.
+GIVEN = ("arrays",)
 #: A name, which becomes a folder of the results.
 NAME = {
     "type": "string",
@@ -68,10 +71,18 @@ def read_named(given, where: str, folder: Path) -> dict:
     elif isinstance(given, str) and given.endswith((".yaml", ".yml")):
         path = Path(given)
     else:
-        raise SettingError(f"{unknown(where, given, known)} Or give the path of a YAML file.")
+        raise SettingError(f"{unknown(where, given, known)} Or give the path of a YAML file.{_as_list(given, known)}")
     found = {"name": path.stem, **read_yaml(path)}
     check(found, {"type": "object", "properties": {"name": NAME}}, str(path))
     return found
+
+
+def _as_list(given, known: Sequence[str]) -> str:
+    """How to write a list, where several known names were given as one text; empty elsewhere."""
+    names = [one.strip(" []'\"") for one in str(given).split(",")] if isinstance(given, str) else []
+    if len(names) < 2 and not str(given).startswith("["):
+        return ""
+    return f" A list is written [{', '.join(names)}]." if all(name in known for name in names) else ""
 
 
 def extended(given, kind: str, folder: Path, override: Mapping, where: str = "", seen: Sequence[str] = ()) -> dict:
@@ -180,18 +191,20 @@ def check_override(override: Mapping, key: str, known: set[str]) -> None:
 
 
 def input_mistakes(system: Mapping, where: str) -> list[str]:
-    """What is wrong with a system's blocks and models, a sentence for each mistake; the rest is its schema's.
+    """What is wrong with a system's measures, blocks and models, a sentence for each mistake; the rest is its schema's.
 
     Parameters
     ----------
     system : with or without its defaults
     where : its place in the settings, for messages
     """
+    measures = metric_mistakes(system.get("tables"), f"{where}.tables")
     blocks = system.get("blocks")
     if not isinstance(blocks, Mapping):
-        return []
+        return measures
     given = {str(name): block for name, block in blocks.items() if isinstance(block, Mapping)}
     found = [said for name, block in given.items() for said in _block_mistakes(block, f"{where}.blocks.{name}")]
+    found = measures + found
     models = system.get("models")
     return found + (model_mistakes(models, given, f"{where}.models") if isinstance(models, Mapping) else [])
 
@@ -199,13 +212,17 @@ def input_mistakes(system: Mapping, where: str) -> list[str]:
 def block_schema(kind: str) -> dict:
     """JSON Schema of an input block of a kind."""
     cls = block_class(kind).settings
-    naming = {"enum": block_kinds(), "description": "Kind of input block."}
+    naming = _kind_schema()
     own = section_schema(cls)["properties"] if cls else {}
     return {"type": "object", "additionalProperties": False, "properties": {"kind": naming, **own}}
 
 
+def _kind_schema() -> dict:
+    return {"enum": [kind for kind in block_kinds() if kind not in GIVEN], "description": "Kind of input block."}
+
+
 def _block_mistakes(block: Mapping, where: str) -> list[str]:
-    naming = {"kind": {"enum": block_kinds(), "description": "Kind of input block."}}
+    naming = {"kind": _kind_schema()}
     found = mistakes(block, {"type": "object", "required": ["kind"], "properties": naming}, where)
     return found or mistakes(block, block_schema(block["kind"]), where)
 
@@ -259,6 +276,7 @@ def complete_system(system: Mapping, seed: int) -> dict:
         "videos": {**system["videos"], "model": shown},
         "sound_model": next(iter(rows_of_entries(filter(None, [system["sound_model"]]), rows)), ""),
         "tables": resolved_tables(system["tables"], rows),
+        "own_metrics": own_metrics(system["tables"]),
         "preference": {**system["preference"], "models": _pair(system, shown, rows)},
     }
 

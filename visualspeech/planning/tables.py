@@ -3,12 +3,15 @@
 from collections.abc import Mapping, Sequence
 
 from visualspeech.evaluation.metrics import METRICS
+from visualspeech.evaluation.own_metrics import OWN_MARK
 from visualspeech.models.rows import ModelRow
 from visualspeech.schema import unknown
 
 #: Kind of visual coding with regions, and the measures of it that are none of a region.
 REGIONAL_KIND, OF_ANY = "markers", ("gv_ratio",)
 
+#: Keys of tables and selections that name measures.
+_METRICS = ("metrics", "intervals")
 #: Names of tables that a selection cannot have.
 TABLES = ("objective", "topologies", "comparisons", "articulation", "resting", "gains", "ablation", "preference",
           "regions", "emotions")  # fmt: skip
@@ -26,7 +29,7 @@ def table_mistakes(tables: Mapping, known: Sequence[str], where: str) -> list[st
     selections = {name: one for name, one in tables["selections"].items() if one is not None}
     named = {
         "topologies": tables["topologies"],
-        **{f"{name}.rows": tables[name]["rows"] for name in ("regions", "emotions")},
+        **{f"{name}.rows": tables[name]["rows"] for name in ("regions", "emotions", "latex")},
         **{f"gains.{name}": names for name, names in tables["gains"].items()},
         **{f"ablation.rows.{name}": names or () for name, names in tables["ablation"]["rows"].items()},
         **{f"selections.{name}.rows": one["rows"] for name, one in selections.items()},
@@ -46,6 +49,12 @@ def table_mistakes(tables: Mapping, known: Sequence[str], where: str) -> list[st
         f"`{where}.selections.{name}`: {name} is the name of another table; give this one another."
         for name in selections
         if name in TABLES
+    ]
+    shown = {name for one in (tables, *selections.values()) for key in _METRICS for name in one.get(key, ())}
+    found += [
+        f"`{where}.latex.metrics.{number}: {name}` is in no table of the system; add it to `{where}.metrics`."
+        for number, name in enumerate(tables["latex"]["metrics"])
+        if name not in shown
     ]
     columns = len(tables["ablation"]["columns"])
     return found + [
@@ -74,7 +83,7 @@ def coding_mistakes(tables: Mapping, kind: str, where: str) -> list[str]:
         f"`{where}.{key}`: {', '.join(wrong)} {'is no measure' if len(wrong) == 1 else 'are no measures'} of a visual "
         f"coding of the kind {kind}. Its measures are: {', '.join(known)}."
         for key, names in asked.items()
-        if (wrong := [name for name in names if name not in known])
+        if (wrong := [name for name in names if name not in known and OWN_MARK not in name])
     ]
     needless = {
         "topologies": regional and tables["topologies"],
@@ -98,6 +107,7 @@ def resolved_tables(tables: Mapping, rows: Sequence[ModelRow]) -> dict:
             name: {**tables[name], "rows": rows_of_entries(tables[name]["rows"], rows)}
             for name in ("regions", "emotions")
         },
+        "latex": {**tables["latex"], "rows": _with_cells(tables["latex"]["rows"], rows)},
         "gains": {key: rows_of_entries(names, rows) for key, names in tables["gains"].items()},
         "ablation": {**tables["ablation"], "rows": _ablation(tables["ablation"], rows)},
         "selections": {name: _selection(one, rows) for name, one in tables["selections"].items() if one is not None},
@@ -109,6 +119,13 @@ def _selection(selection: Mapping, rows: Sequence[ModelRow]) -> dict:
     cells = {row.name: row.cell or row.name for row in rows}
     reference = next(iter(rows_of_entries(filter(None, [selection["reference"]]), rows)), "")
     return {**selection, "rows": rows_of_entries(selection["rows"], rows), "reference": cells.get(reference, "")}
+
+
+def _with_cells(names: Sequence[str], rows: Sequence[ModelRow]) -> list[str]:
+    """Names of the rows that entries ask for, and of the cells that tables pool them to."""
+    # The last is the name of the row in the table of each seed.
+    own = {row.name: (row.name, cell := row.cell or row.name, f"{cell}-s{row.seed}") for row in rows}
+    return list(dict.fromkeys(one for name in rows_of_entries(names, rows) for one in own[name]))
 
 
 def rows_of_entries(names: Sequence[str], rows: Sequence[ModelRow]) -> list[str]:

@@ -1,7 +1,8 @@
 """One call into eSpeak NG: a JSON request on standard input, the answer on standard output.
 
 :mod:`visualspeech.speech.tts` runs this file as a separate program (``python -P espeak.py``). eSpeak NG's output is
-reproducible bit for bit only for the first utterance of a process, and a crash of the C library ends only that process.
+reproducible bit for bit only for the first utterance of a process, and for voices with breath (``en-us+f3``) only with
+a seed. A crash of the C library ends only that process.
 Only the standard library and ``espeakng_loader`` are imported, for a fast start.
 
 Requests: ``{"say": text, "voice": name, "rate": words per minute, "pitch": 0..100}``, answered by one JSON line
@@ -19,6 +20,7 @@ PHONEME_EVENTS, DO_NOT_EXIT = 0x0001, 0x8000
 UTF8 = 1
 RATE, PITCH = 1, 3
 WORD, PHONEME = 1, 7
+SEED = 1
 STRESS_MARKS = "',%=|\""
 
 
@@ -89,6 +91,7 @@ class Engine:
             return 0
 
         callback = _Callback(receive)
+        self.native.espeak_ng_SetRandSeed(ctypes.c_long(SEED))  # of breath; it is the time of day otherwise
         self.native.espeak_SetSynthCallback(callback)
         self.native.espeak_SetParameter(RATE, rate, 0)
         self.native.espeak_SetParameter(PITCH, pitch, 0)

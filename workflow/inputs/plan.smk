@@ -1,24 +1,51 @@
 # The plan of a run, and the input functions that several stages share.
+import json
+import os
 import re
 
 from snakemake.exceptions import WorkflowError
 from snakemake.io import strip_wildcard_constraints
+from snakemake.path_modifier import PathModifier
+from snakemake.pathvars import Pathvars
 
+from visualspeech.cluster import follow_run, name_run, settle_signals
 from visualspeech.errors import VisualSpeechError
 from visualspeech.jobs import settle_locks, settle_sigterm
 from visualspeech.locks import hold
 from visualspeech.planning.run import plan_run
 from visualspeech.provenance import code_digest, digest
-from visualspeech.settings import check_overlays
+from visualspeech.settings import check_overlays, from_command_line, merged, read_yaml
+
+if workflow.remote_exec:
+    follow_run()
+
+
+def of_module(given):
+    """Settings of a run as a module: what it gives is laid over the default run. Its `prefix` and `replace_prefix` move
+    the results as a whole, since paths stand in params too; other files, such as answers of viewers, stay where they are.
+    """
+    if not (ROOT / "config" / "config.yaml").is_file():
+        raise WorkflowError("the `snakefile` of the module must be the Snakefile of a clone: settings lie beside it.")
+    settings = merged(read_yaml(ROOT / "config" / "config.yaml"), given)
+    if isinstance(settings["results"], str):
+        settings["results"] = str(workflow.modifier.modify_path(f"{settings['results']}/")).rstrip("/")
+    workflow.modifier.path_modifier = PathModifier(None, None, workflow)
+    workflow.modifier.pathvars = Pathvars.with_defaults()
+    return settings
+
 
 try:
-    if workflow.is_main_process:
+    if IS_MODULE:
+        config = of_module(config)
+    elif workflow.is_main_process:
         check_overlays(workflow.configfiles)
-    PLAN = plan_run(config, Path(workflow.basedir, "config"))
+    PLAN = plan_run(from_command_line(config, {} if IS_MODULE else workflow.config_settings.config), ROOT / "config")
 except VisualSpeechError as error:
     raise WorkflowError(str(error))
 
 SETTINGS = PLAN.settings
+# Those of this workflow, also when an input function of a module is called.
+PATHVARS = workflow.pathvars
 SEED = SETTINGS["seed"]
 if workflow.is_main_process:
     for sentence in PLAN.skipped:
@@ -40,13 +67,37 @@ LOCKS = []
 
 def hold_corpora():
     """Hold the result folder of every corpus of the run; called when jobs are about to start."""
+    if LOCKS:
+        return
     folders = [f"{SETTINGS['results']}/{name}" for name in PLAN.corpora]
+    run = name_run()
     try:
-        LOCKS.extend(map(hold, folders))
+        LOCKS.extend(hold(folder, run) for folder in folders)
     except VisualSpeechError as error:
         raise WorkflowError(str(error))
     settle_locks(folders)
-    settle_sigterm()
+    os.environ[CODE] = json.dumps(DIGESTS)
+    if workflow.local_exec:
+        settle_sigterm()
+    else:
+        settle_signals()
+    # Snakemake limits the jobs of a second, and for that looks for new jobs a second after each start of one, and again a
+    # second after that, without end: after some hundred jobs this fills a good part of a core.
+    workflow.scheduler.job_rate_limiter = None
+
+
+def before_start(others):
+    """Handler of the start of a run that first holds the corpora of a module; Snakemake calls no handler of a module."""
+
+    def start(log):
+        hold_corpora()
+        others(log)
+
+    return start
+
+
+if IS_MODULE:
+    workflow._onstart = before_start(workflow._onstart)
 
 
 def refuse(sentence):
@@ -62,7 +113,7 @@ def one_of(names):
 
 def plain(pattern):
     """A pattern with its path variables filled in, its wildcards without constraints."""
-    return strip_wildcard_constraints(workflow.pathvars.apply(pattern))
+    return strip_wildcard_constraints(PATHVARS.apply(pattern))
 
 
 def filled(pattern, wildcards, **more):
@@ -107,9 +158,18 @@ def marked(function):
     return lambda wildcards: digest(function(wildcards))
 
 
+# Digests of scripts. A job on another machine inherits those of its run: it would spend a third of its start on them.
+CODE = "VISUALSPEECH_CODE"
+DIGESTS = json.loads(os.environ.get(CODE, "{}")) if workflow.remote_exec else {}
+
+
 def code(script, *modules, data=()):
     """Digest of the library code that a workflow script reaches; as a param it re-runs a rule when that code changes."""
-    return code_digest(Path(workflow.basedir, "workflow", "scripts", script), *modules, data=data)
+    if not modules and not data:
+        if script not in DIGESTS:
+            DIGESTS[script] = code_digest(ROOT / "workflow" / "scripts" / script)
+        return DIGESTS[script]
+    return code_digest(ROOT / "workflow" / "scripts" / script, *modules, data=data)
 
 
 def for_systems(pattern, **more):

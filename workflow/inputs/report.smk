@@ -125,6 +125,7 @@ def reported(wildcards):
             "reference": of_coding("reference.safetensors")(one) if is_pictured(one.system) else "",
             "visemes": drawn_visemes(one),
             "model": system_of(one)["videos"]["model"],
+            "own": own_metrics_of(one),
             "predictions": shown_model("predictions.h5")(one),
             "videos": filled("<system>/videos", one)[0],
             "figures": [path for path, _ in figures_of(one)],

@@ -95,12 +95,6 @@ def parts_of_block(wildcards):
     return [own["settings"][key] for key in parts_of(block_class(own["kind"]))]
 
 
-def memory_of_training(wildcards, input):
-    """MB that a training job needs: with mini-batches of single frames, features and targets are in memory."""
-    whole = row_of(wildcards).training.get("batcher") in FRAME_BATCHERS
-    return 2000 + (2 * round(input.size_mb) if whole else 0)
-
-
 def where_needed(need, pattern):
     """Input function: files of the job's shard, or of all shards, if its input block is computed from ``need``."""
 

@@ -26,6 +26,11 @@ def table_settings(wildcards):
     return {key: tables[key] for key in ("metrics", "digits", "ratio_digits")}
 
 
+def own_metrics_of(wildcards):
+    """Params function: the user's own measures of a system, described by their sources."""
+    return system_of(wildcards)["own_metrics"]
+
+
 def plain_rows(roles=ROLES, names=None):
     """Params function: rows of a system as plain data, of the given roles or names."""
 

@@ -14,8 +14,9 @@ rule align_speech:
         "<corpus>/benchmarks/align_speech/{shard}.tsv"
     threads: 1
     resources:
-        mem_mb=1000,
-        disk_mb=200,
+        mem_mb=memory(150),
+        runtime=minutes(5, least=15),
+        disk_mb=disk(200, 2),
     params:
         settings=SETTINGS["alignment"],
         text=has_text,
@@ -38,8 +39,9 @@ rule export_alignment:
         "<corpus>/benchmarks/export_alignment.tsv"
     threads: 1
     resources:
-        mem_mb=500,
-        disk_mb=2000,
+        mem_mb=memory(100),
+        runtime=minutes(1),
+        disk_mb=disk(200, 2),
     params:
         code=code("export_alignment.py"),
     script:
@@ -54,6 +56,12 @@ rule list_phones:
         "<corpus>/phones.tsv",
     log:
         "<corpus>/logs/list_phones.log",
+    localrule: True
+    threads: 1
+    resources:
+        mem_mb=memory(100),
+        runtime=minutes(1),
+        disk_mb=disk(10),
     params:
         code=code("list_phones.py"),
     script:

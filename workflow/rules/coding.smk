@@ -11,8 +11,9 @@ rule fit_reference:
         "<coding>/benchmarks/fit_reference.tsv"
     threads: 1
     resources:
-        mem_mb=1000,
-        disk_mb=100,
+        mem_mb=memory(120),
+        runtime=minutes(2),
+        disk_mb=disk(100),
     params:
         points=lambda wildcards: coding_of(wildcards)["points"],
         settings=lambda wildcards: coding_of(wildcards)["texture"],
@@ -38,8 +39,9 @@ rule sample_textures:
         "<coding>/benchmarks/sample_textures/{shard}.tsv"
     threads: 1
     resources:
-        mem_mb=1000,
-        disk_mb=5000,
+        mem_mb=memory(170),
+        runtime=minutes(10, least=15),
+        disk_mb=disk(1000, 50),
     params:
         drift=lambda wildcards: coding_of(wildcards)["drift"],
         recordings=recordings_digest,
@@ -60,8 +62,9 @@ rule fit_aam:
         "<coding>/benchmarks/fit_aam.tsv"
     threads: 1
     resources:
-        mem_mb=2000,
-        disk_mb=3000,
+        mem_mb=memory(520),
+        runtime=minutes(0.5, least=15),
+        disk_mb=disk(1000, 1),
     params:
         points=lambda wildcards: coding_of(wildcards)["points"],
         settings=lambda wildcards: coding_of(wildcards)["aam"],
@@ -92,8 +95,9 @@ rule fit_faces:
         "<coding>/benchmarks/fit_faces/{shard}.tsv"
     threads: 1
     resources:
-        mem_mb=2000,
-        disk_mb=5000,
+        mem_mb=memory(520),
+        runtime=minutes(30, least=15),
+        disk_mb=disk(1000, 5),
     params:
         drift=lambda wildcards: coding_of(wildcards)["drift"],
         fitting=lambda wildcards: coding_of(wildcards)["fitting"],
@@ -116,6 +120,12 @@ rule accept_faces:
         findings="<coding>/findings.tsv",
     log:
         "<coding>/logs/accept_faces.log",
+    localrule: True
+    threads: 1
+    resources:
+        mem_mb=memory(100),
+        runtime=minutes(1),
+        disk_mb=disk(10),
     params:
         limit=SETTINGS["max_rejected_share"],
         code=code("accept_faces.py"),
@@ -135,8 +145,9 @@ rule encode_appearance:
         "<coding>/benchmarks/encode_appearance/{shard}.tsv"
     threads: 1
     resources:
-        mem_mb=1000,
-        disk_mb=500,
+        mem_mb=memory(100),
+        runtime=minutes(0.1),
+        disk_mb=disk(200, 1),
     params:
         code=points_code("encode_appearance.py"),
     script:

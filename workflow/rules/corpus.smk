@@ -3,6 +3,11 @@ rule list_utterances:
         "<corpus>/corpus/utterances/{shard}.tsv",
     log:
         "<corpus>/logs/list_utterances/{shard}.log",
+    threads: 1
+    resources:
+        mem_mb=memory(60),
+        runtime=minutes(1),
+        disk_mb=disk(10),
     params:
         rows=carried(utterances_of),
         rows_digest=marked(utterances_of),
@@ -16,6 +21,12 @@ rule write_split:
         "<corpus>/corpus/split.tsv",
     log:
         "<corpus>/logs/write_split.log",
+    localrule: True
+    threads: 1
+    resources:
+        mem_mb=memory(60),
+        runtime=minutes(1),
+        disk_mb=disk(10),
     params:
         split=carried(split_of),
         split_digest=marked(split_of),
@@ -38,8 +49,9 @@ rule check_recordings:
         "<corpus>/benchmarks/check_recordings/{shard}.tsv"
     threads: 1
     resources:
-        mem_mb=1000,
-        disk_mb=1000,
+        mem_mb=memory(150),
+        runtime=minutes_of_recordings(2),
+        disk_mb=disk(1000),
     params:
         settings=SETTINGS["check"],
         text=has_text,
@@ -58,6 +70,12 @@ rule gather_findings:
         "<corpus>/check/findings.tsv",
     log:
         "<corpus>/logs/gather_findings.log",
+    localrule: True
+    threads: 1
+    resources:
+        mem_mb=memory(100),
+        runtime=minutes(1),
+        disk_mb=disk(10),
     params:
         limit=SETTINGS["max_rejected_share"],
         code=code("gather_findings.py"),

@@ -10,8 +10,9 @@ rule record_demo:
         "<corpus>/benchmarks/record_demo/{shard}.tsv"
     threads: 1
     resources:
-        mem_mb=1000,
-        disk_mb=1000,
+        mem_mb=memory(290),
+        runtime=minutes(1, least=15),
+        disk_mb=disk(1000),
     params:
         code=code("record_demo.py"),
     script:

@@ -11,8 +11,9 @@ rule build_targets:
         "<system>/benchmarks/build_targets/{shard}.tsv"
     threads: 1
     resources:
-        mem_mb=500,
-        disk_mb=500,
+        mem_mb=memory(60),
+        runtime=minutes(1),
+        disk_mb=disk(200, 5),
     params:
         rate=lambda wildcards: system_of(wildcards)["rate"],
         points=lambda wildcards: coding_of(wildcards)["points"],
@@ -39,8 +40,9 @@ rule fit_block:
         "<system>/benchmarks/fit_block/{block}.tsv"
     threads: 1
     resources:
-        mem_mb=1000,
-        disk_mb=100,
+        mem_mb=growing_memory(480, 2),
+        runtime=minutes(3),
+        disk_mb=disk(100),
     params:
         kind=lambda wildcards: block_of(wildcards)["kind"],
         settings=lambda wildcards: block_of(wildcards)["settings"],
@@ -66,8 +68,9 @@ rule encode_block:
         "<system>/benchmarks/encode_block/{block}/{shard}.tsv"
     threads: 1
     resources:
-        mem_mb=500,
-        disk_mb=200,
+        mem_mb=memory(200),
+        runtime=minutes(3),
+        disk_mb=disk(200, 5),
     params:
         code=lambda wildcards: code("encode_block.py", block_module(block_of(wildcards)["kind"])),
     script:

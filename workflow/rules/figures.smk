@@ -8,6 +8,11 @@ rule draw_trajectories:
         "<system>/figures/trajectories.png",
     log:
         "<system>/logs/draw_trajectories.log",
+    threads: 1
+    resources:
+        mem_mb=memory(200),
+        runtime=minutes(1),
+        disk_mb=disk(50),
     params:
         titles=lambda wildcards: [
             row.title for name in compared_models(wildcards) for row in rows_of(wildcards.system) if row.name == name

@@ -13,12 +13,15 @@ rule track_landmarks:
         "<corpus>/benchmarks/track_landmarks/{shard}.tsv"
     threads: 1
     resources:
-        mem_mb=1500,
-        disk_mb=500,
+        mem_mb=memory(260),
+        runtime=minutes(30, least=15),
+        disk_mb=disk(500, 1),
     params:
         landmarks=SETTINGS["landmarks"],
         screening=SETTINGS["screening"],
         recordings=recordings_digest,
-        code=code("track_landmarks.py"),
+        files=landmark_files,
+        folder=carried(tracker_folder),
+        code=tracker_digest,
     script:
         "../scripts/track_landmarks.py"

@@ -22,8 +22,9 @@ rule render_markers:
     priority: 20
     threads: 1
     resources:
-        mem_mb=1500,
-        disk_mb=1000,
+        mem_mb=memory(200),
+        runtime=minutes(1, least=30),
+        disk_mb=disk(1000),
     params:
         clips=lambda wildcards: system_of(wildcards)["videos"]["count"],
         label=lambda wildcards: system_of(wildcards)["videos"]["label"],

@@ -11,8 +11,9 @@ rule fit_markers:
         "<coding>/benchmarks/fit_markers.tsv"
     threads: 1
     resources:
-        mem_mb=500,
-        disk_mb=50,
+        mem_mb=memory(100),
+        runtime=minutes(1),
+        disk_mb=disk(50),
     params:
         given=recorded_markers,
         settings=lambda wildcards: coding_of(wildcards)["markers"],
@@ -34,8 +35,9 @@ rule encode_markers:
         "<coding>/benchmarks/encode_markers/{shard}.tsv"
     threads: 1
     resources:
-        mem_mb=500,
-        disk_mb=500,
+        mem_mb=memory(100),
+        runtime=minutes(1),
+        disk_mb=disk(200, 2),
     params:
         given=recorded_markers,
         code=code("encode_markers.py"),
@@ -56,8 +58,9 @@ rule build_marker_targets:
         "<system>/benchmarks/build_marker_targets/{shard}.tsv"
     threads: 1
     resources:
-        mem_mb=500,
-        disk_mb=500,
+        mem_mb=memory(60),
+        runtime=minutes(1),
+        disk_mb=disk(200, 5),
     params:
         rate=lambda wildcards: system_of(wildcards)["rate"],
         code=code("build_marker_targets.py"),
@@ -82,9 +85,11 @@ rule measure_regions:
         "<system>/benchmarks/measure_regions/{model}.tsv"
     threads: 1
     resources:
-        mem_mb=1000,
-        disk_mb=50,
+        mem_mb=memory(110),
+        runtime=minutes(1),
+        disk_mb=disk(50),
     params:
+        own=own_metrics_of,
         code=code("measure_regions.py"),
     script:
         "../scripts/measure_regions.py"

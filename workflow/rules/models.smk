@@ -26,7 +26,8 @@ rule train_model:
     threads: 1
     resources:
         mem_mb=memory_of_training,
-        disk_mb=200,
+        runtime=minutes(15, least=60),
+        disk_mb=disk(200, 1),
     params:
         row=lambda wildcards: row_of(wildcards).plain(),
         module=lambda wildcards: FAMILIES[row_of(wildcards).family].module,
@@ -52,8 +53,9 @@ rule predict_model:
         model=TRAINED,
     threads: 1
     resources:
-        mem_mb=2000,
-        disk_mb=200,
+        mem_mb=memory(330),
+        runtime=minutes(1),
+        disk_mb=disk(200, 2),
     params:
         reads=lambda wildcards: len(row_of(wildcards).reads),
         module=lambda wildcards: FAMILIES[row_of(wildcards).family].module,
@@ -74,8 +76,9 @@ rule reconstruct_targets:
         model=FLOORS,
     threads: 1
     resources:
-        mem_mb=500,
-        disk_mb=200,
+        mem_mb=memory(100),
+        runtime=minutes(1),
+        disk_mb=disk(200, 2),
     params:
         code=code("reconstruct_targets.py"),
     script:

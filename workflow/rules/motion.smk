@@ -13,8 +13,9 @@ rule read_motion:
         "<corpus>/benchmarks/read_motion/{shard}.tsv"
     threads: 1
     resources:
-        mem_mb=1500,
-        disk_mb=1000,
+        mem_mb=memory(260),
+        runtime=minutes(30),
+        disk_mb=disk(500, 5),
     params:
         settings=SETTINGS["motion"],
         source=motion_of,

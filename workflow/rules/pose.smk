@@ -12,8 +12,9 @@ rule fit_head:
         "<corpus>/benchmarks/fit_head/{speaker}.tsv"
     threads: 1
     resources:
-        mem_mb=1000,
-        disk_mb=100,
+        mem_mb=memory(140),
+        runtime=minutes(2),
+        disk_mb=disk(100),
     params:
         settings=SETTINGS["pose"],
         code=code("fit_head.py"),
@@ -35,8 +36,9 @@ rule normalise_pose:
         "<corpus>/benchmarks/normalise_pose/{shard}.tsv"
     threads: 1
     resources:
-        mem_mb=1000,
-        disk_mb=500,
+        mem_mb=memory(130),
+        runtime=minutes(2),
+        disk_mb=disk(200, 3),
     params:
         settings=SETTINGS["pose"],
         speakers=lambda wildcards: list(PLAN.corpora[wildcards.corpus].speakers),
@@ -59,6 +61,11 @@ rule accept_utterances:
         findings="<corpus>/findings.tsv",
     log:
         "<corpus>/logs/accept_utterances.log",
+    threads: 1
+    resources:
+        mem_mb=memory(150),
+        runtime=minutes(2),
+        disk_mb=disk(100),
     params:
         settings=SETTINGS["screening"],
         speakers=speakers_with_heads,

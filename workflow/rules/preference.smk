@@ -21,8 +21,9 @@ rule render_pairs:
         "<system>/benchmarks/render_pairs.tsv"
     threads: 1
     resources:
-        mem_mb=1500,
-        disk_mb=1000,
+        mem_mb=memory(300),
+        runtime=minutes(1, least=30),
+        disk_mb=disk(1000),
     params:
         models=lambda wildcards: system_of(wildcards)["preference"]["models"],
         pairs=lambda wildcards: system_of(wildcards)["preference"]["count"],
@@ -45,6 +46,11 @@ rule tally_preference:
         table_files("<system>/tables/preference", "preference"),
     log:
         "<system>/logs/tally_preference.log",
+    threads: 1
+    resources:
+        mem_mb=memory(150),
+        runtime=minutes(1),
+        disk_mb=disk(10),
     params:
         rows=carried(plain_rows(names=of_preference)),
         rows_digest=marked(plain_rows(names=of_preference)),

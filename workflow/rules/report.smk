@@ -19,6 +19,11 @@ rule write_report:
         ),
     log:
         "<corpus>/logs/write_report.log",
+    threads: 1
+    resources:
+        mem_mb=memory(200),
+        runtime=minutes(1),
+        disk_mb=disk(100),
     params:
         corpus=lambda wildcards: wildcards.corpus,
         consent=lambda wildcards: PLAN.corpora[wildcards.corpus].consent,

@@ -26,8 +26,9 @@ rule bundle_speaker:
         "<system>/benchmarks/bundle_speaker/{model}.tsv"
     threads: 1
     resources:
-        mem_mb=1500,
-        disk_mb=500,
+        mem_mb=memory(350),
+        runtime=minutes(1),
+        disk_mb=disk(500),
     params:
         background=SPEAK["background"],
         seconds=SPEAK["background_seconds"],
@@ -55,8 +56,9 @@ rule speak_sentence:
         number=r"\d+",
     threads: 1
     resources:
-        mem_mb=1500,
-        disk_mb=500,
+        mem_mb=memory(500),
+        runtime=minutes(1),
+        disk_mb=disk(500),
     params:
         text=lambda wildcards: SENTENCES[wildcards.number],
         voice=SPEAK["voice"],

@@ -11,8 +11,9 @@ rule measure_lips:
         "<system>/logs/measure_lips.log",
     threads: 1
     resources:
-        mem_mb=500,
-        disk_mb=50,
+        mem_mb=memory(150),
+        runtime=minutes(1),
+        disk_mb=disk(50),
     params:
         code=code("measure_lips.py"),
     script:
@@ -38,10 +39,12 @@ rule measure_model:
         "<system>/benchmarks/measure_model/{model}.tsv"
     threads: 1
     resources:
-        mem_mb=1000,
-        disk_mb=50,
+        mem_mb=memory(160),
+        runtime=minutes(1),
+        disk_mb=disk(50),
     params:
         drift=lambda wildcards: drift_of(coding_of(wildcards)),
+        own=own_metrics_of,
         code=code("measure_model.py"),
     script:
         "../scripts/measure_model.py"
@@ -56,6 +59,11 @@ rule tabulate_results:
         table_files("<system>/tables/objective", "objective"),
     log:
         "<system>/logs/tabulate_results.log",
+    threads: 1
+    resources:
+        mem_mb=memory(150),
+        runtime=minutes(1),
+        disk_mb=disk(10),
     params:
         rows=carried(plain_rows()),
         rows_digest=marked(plain_rows()),
@@ -63,6 +71,8 @@ rule tabulate_results:
         settings=table_settings,
         bootstrap=lambda wildcards: system_of(wildcards)["tables"]["bootstrap"],
         seed=SEED,
+        latex=lambda wildcards: system_of(wildcards)["tables"]["latex"],
+        own=own_metrics_of,
         code=code("tabulate_results.py"),
     script:
         "../scripts/tabulate_results.py"
@@ -78,6 +88,11 @@ rule tabulate_articulation:
         table_files("<system>/tables/articulation", "articulation"),
     log:
         "<system>/logs/tabulate_articulation.log",
+    threads: 1
+    resources:
+        mem_mb=memory(150),
+        runtime=minutes(1),
+        disk_mb=disk(10),
     params:
         rows=carried(plain_rows()),
         rows_digest=marked(plain_rows()),
@@ -101,6 +116,11 @@ rule tabulate_resting:
         table_files("<system>/tables/resting", "resting"),
     log:
         "<system>/logs/tabulate_resting.log",
+    threads: 1
+    resources:
+        mem_mb=memory(150),
+        runtime=minutes(1),
+        disk_mb=disk(10),
     params:
         rows=carried(plain_rows(("model",))),
         rows_digest=marked(plain_rows(("model",))),
@@ -122,12 +142,18 @@ rule tabulate_topologies:
         table_files("<system>/tables/topologies", "topologies"),
     log:
         "<system>/logs/tabulate_topologies.log",
+    threads: 1
+    resources:
+        mem_mb=memory(150),
+        runtime=minutes(1),
+        disk_mb=disk(10),
     params:
         rows=carried(plain_rows(names=of_topologies)),
         rows_digest=marked(plain_rows(names=of_topologies)),
         facts=facts_of,
         settings=table_settings,
         published=lambda wildcards: system_of(wildcards)["published"],
+        own=own_metrics_of,
         code=code("tabulate_topologies.py"),
     script:
         "../scripts/tabulate_topologies.py"
@@ -142,6 +168,11 @@ rule compare_models:
         table_files("<system>/tables/comparisons", "comparisons"),
     log:
         "<system>/logs/compare_models.log",
+    threads: 1
+    resources:
+        mem_mb=memory(150),
+        runtime=minutes(1),
+        disk_mb=disk(10),
     params:
         rows=carried(plain_rows(("model", "baseline"))),
         rows_digest=marked(plain_rows(("model", "baseline"))),
@@ -150,6 +181,8 @@ rule compare_models:
         comparison=lambda wildcards: system_of(wildcards)["tables"]["comparison"],
         bootstrap=lambda wildcards: system_of(wildcards)["tables"]["bootstrap"],
         seed=SEED,
+        latex=lambda wildcards: system_of(wildcards)["tables"]["latex"],
+        own=own_metrics_of,
         code=code("compare_models.py"),
     script:
         "../scripts/compare_models.py"
@@ -165,6 +198,11 @@ rule tabulate_gains:
         table_files("<system>/tables/gains", "gains"),
     log:
         "<system>/logs/tabulate_gains.log",
+    threads: 1
+    resources:
+        mem_mb=memory(150),
+        runtime=minutes(1),
+        disk_mb=disk(10),
     params:
         rows=carried(plain_rows(names=of_gains)),
         rows_digest=marked(plain_rows(names=of_gains)),
@@ -176,6 +214,7 @@ rule tabulate_gains:
         comparison=lambda wildcards: system_of(wildcards)["tables"]["comparison"],
         bootstrap=lambda wildcards: system_of(wildcards)["tables"]["bootstrap"],
         seed=SEED,
+        own=own_metrics_of,
         code=code("tabulate_gains.py"),
     script:
         "../scripts/tabulate_gains.py"
@@ -190,6 +229,11 @@ rule tabulate_ablation:
         table_files("<system>/tables/ablation", "ablation"),
     log:
         "<system>/logs/tabulate_ablation.log",
+    threads: 1
+    resources:
+        mem_mb=memory(150),
+        runtime=minutes(1),
+        disk_mb=disk(10),
     params:
         rows=carried(plain_rows(names=of_ablation)),
         rows_digest=marked(plain_rows(names=of_ablation)),
@@ -198,6 +242,7 @@ rule tabulate_ablation:
         settings=table_settings,
         bootstrap=lambda wildcards: system_of(wildcards)["tables"]["bootstrap"],
         seed=SEED,
+        own=own_metrics_of,
         code=code("tabulate_ablation.py"),
     script:
         "../scripts/tabulate_ablation.py"
@@ -214,6 +259,11 @@ rule tabulate_selection:
         "<system>/logs/tabulate_selection/{selection}.log",
     wildcard_constraints:
         selection=SELECTIONS,
+    threads: 1
+    resources:
+        mem_mb=memory(150),
+        runtime=minutes(1),
+        disk_mb=disk(10),
     params:
         rows=carried(selected_rows),
         rows_digest=marked(selected_rows),
@@ -224,6 +274,8 @@ rule tabulate_selection:
         published=lambda wildcards: system_of(wildcards)["published"],
         bootstrap=lambda wildcards: system_of(wildcards)["tables"]["bootstrap"],
         seed=SEED,
+        latex=lambda wildcards: system_of(wildcards)["tables"]["latex"],
+        own=own_metrics_of,
         code=code("tabulate_selection.py"),
     script:
         "../scripts/tabulate_selection.py"
@@ -240,6 +292,11 @@ rule tabulate_regions:
         table_files("<system>/tables/regions", "regions"),
     log:
         "<system>/logs/tabulate_regions.log",
+    threads: 1
+    resources:
+        mem_mb=memory(150),
+        runtime=minutes(1),
+        disk_mb=disk(10),
     params:
         rows=carried(ordered_rows(of_regions)),
         rows_digest=marked(ordered_rows(of_regions)),
@@ -265,6 +322,11 @@ rule tabulate_emotions:
         figure="<system>/figures/emotions.png",
     log:
         "<system>/logs/tabulate_emotions.log",
+    threads: 1
+    resources:
+        mem_mb=memory(150),
+        runtime=minutes(1),
+        disk_mb=disk(10),
     params:
         rows=carried(ordered_rows(of_emotions)),
         rows_digest=marked(ordered_rows(of_emotions)),
@@ -294,8 +356,9 @@ rule measure_tracked_lips:
         "<corpus>/logs/measure_tracked_lips.log",
     threads: 1
     resources:
-        mem_mb=500,
-        disk_mb=50,
+        mem_mb=memory(150),
+        runtime=minutes(1),
+        disk_mb=disk(50),
     params:
         speakers=speakers_with_heads,
         names=recorded_names,
@@ -324,8 +387,9 @@ rule measure_across:
         "<system>/benchmarks/measure_across.tsv"
     threads: 1
     resources:
-        mem_mb=1000,
-        disk_mb=50,
+        mem_mb=memory(150),
+        runtime=minutes(1),
+        disk_mb=disk(50),
     params:
         names=recorded_names,
         rows=lambda wildcards: [row.name for row in rows_of(wildcards.system)],
@@ -345,6 +409,11 @@ rule tabulate_systems:
         table_files("<corpus>/tables/systems", "systems", system="all"),
     log:
         "<corpus>/logs/tabulate_systems.log",
+    threads: 1
+    resources:
+        mem_mb=memory(150),
+        runtime=minutes(1),
+        disk_mb=disk(10),
     params:
         systems=carried(tabulated),
         systems_digest=marked(tabulated),

@@ -10,8 +10,9 @@ rule draw_visemes:
         "<system>/logs/draw_visemes/{block}.log",
     threads: 1
     resources:
-        mem_mb=500,
-        disk_mb=50,
+        mem_mb=memory(200),
+        runtime=minutes(1),
+        disk_mb=disk(50),
     params:
         code=code("draw_visemes.py"),
     script:
@@ -32,8 +33,9 @@ rule try_viseme_number:
         classes=r"\d+",
     threads: 1
     resources:
-        mem_mb=1000,
-        disk_mb=50,
+        mem_mb=growing_memory(480, 2),
+        runtime=minutes(3),
+        disk_mb=disk(50),
     params:
         settings=lambda wildcards: system_of(wildcards)["blocks"][numbered_block(wildcards.system)]["settings"],
         code=code("try_viseme_number.py"),
@@ -51,6 +53,11 @@ rule tabulate_viseme_numbers:
         table_files("<system>/tables/viseme_numbers", "viseme_numbers"),
     log:
         "<system>/logs/tabulate_viseme_numbers.log",
+    threads: 1
+    resources:
+        mem_mb=memory(150),
+        runtime=minutes(1),
+        disk_mb=disk(10),
     params:
         facts=facts_of,
         digits=lambda wildcards: system_of(wildcards)["tables"]["digits"],

@@ -4,7 +4,9 @@ from visualspeech.corpora.table import read_split
 from visualspeech.evaluation.comparisons import ComparisonSettings, compare, comparison_tables
 from visualspeech.evaluation.facts import TableFacts
 from visualspeech.evaluation.forms import all_forms
+from visualspeech.evaluation.latex import LatexSettings
 from visualspeech.evaluation.measured import MeasuredRows
+from visualspeech.evaluation.own_metrics import register
 from visualspeech.evaluation.statistics import BootstrapSettings
 from visualspeech.evaluation.tables import TableSettings
 from visualspeech.jobs import job
@@ -14,11 +16,13 @@ from visualspeech.storage.tables import read_numbers
 
 source, params = snakemake.input, snakemake.params
 with job(snakemake.log[0]):
+    register(params.own)
     measured = MeasuredRows.of(params.rows, [read_numbers(path) for path in source.statistics])
     facts = TableFacts.of(params.facts, read_split(source.utterances), read_shapes(source.coding), measured)
     settings = TableSettings(**params.settings)
     tests = ComparisonSettings(**params.comparison, seed=params.seed)
     frame = compare(measured, settings.metrics, tests, BootstrapSettings(**params.bootstrap, seed=params.seed))
     tables = comparison_tables(frame, measured, tests, facts.lines(measured), settings.digits)
-    for path, text in zip(snakemake.output, all_forms(frame, tables, "Paired comparisons"), strict=True):
+    forms = all_forms(frame, tables, "Paired comparisons", LatexSettings(**params.latex))
+    for path, text in zip(snakemake.output, forms, strict=True):
         write_text(path, text)

@@ -5,6 +5,7 @@ Those of the test utterances are measured on the frames of the camera too, on wh
 
 from visualspeech.corpora.table import of_split, read_utterances
 from visualspeech.evaluation.articulation import read_targets
+from visualspeech.evaluation.own_functions import with_own
 from visualspeech.evaluation.scoring import score_table
 from visualspeech.evaluation.sequences import OnFrames, scores
 from visualspeech.face.aam.model import Aam
@@ -13,7 +14,7 @@ from visualspeech.speech.alignment import alignments_of
 from visualspeech.storage.arrays import ArrayCollection, ArrayReader
 from visualspeech.storage.tables import write_table
 
-source = snakemake.input
+source, own = snakemake.input, snakemake.params.own
 with (
     job(snakemake.log[0]),
     ArrayReader(source.predictions) as predictions,
@@ -22,9 +23,11 @@ with (
 ):
     aam, utterances = Aam.load(source.coding), read_utterances(source.utterances)
     lips, drift_kept = read_targets(source.lips), snakemake.params.drift == "none"
+    speakers = {one.id: one.speaker for one in utterances}
     for split in ("test", "validation"):
         aligned = alignments_of(source.alignment, [one.id for one in of_split(utterances, split)])
         rows = scores(aligned, predictions, targets, aam, lips, drift_kept)
+        rows = with_own(rows, own, predictions, targets, aam, speakers)
         write_table(snakemake.output[split], score_table(rows))
     aligned = alignments_of(source.alignment, [one.id for one in of_split(utterances, "test")])
     rows = scores(aligned, OnFrames(predictions, recorded), recorded, aam, lips, drift_kept)

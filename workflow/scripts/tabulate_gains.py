@@ -7,6 +7,7 @@ from visualspeech.evaluation.forms import all_forms
 from visualspeech.evaluation.gains import best_cell, gains_frame, gains_tables, rows_of_gains
 from visualspeech.evaluation.measured import MeasuredRows
 from visualspeech.evaluation.metrics import CENTRED
+from visualspeech.evaluation.own_metrics import register
 from visualspeech.evaluation.published_results import published, shared_metrics
 from visualspeech.evaluation.statistics import BootstrapSettings
 from visualspeech.evaluation.tables import TableSettings
@@ -17,6 +18,7 @@ from visualspeech.storage.tables import read_numbers
 
 source, params = snakemake.input, snakemake.params
 with job(snakemake.log[0]):
+    register(params.own)
     measured = MeasuredRows.of(params.rows, [read_numbers(path) for path in source.statistics])
     validation = {one: read_numbers(path) for one, path in zip(params.candidates, source.validation, strict=True)}
     best = best_cell(measured.rows, validation)

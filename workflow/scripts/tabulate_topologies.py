@@ -5,6 +5,7 @@ from visualspeech.evaluation.facts import TableFacts
 from visualspeech.evaluation.forms import all_forms
 from visualspeech.evaluation.measured import MeasuredRows
 from visualspeech.evaluation.metrics import CENTRED
+from visualspeech.evaluation.own_metrics import register
 from visualspeech.evaluation.published_results import published, shared_metrics
 from visualspeech.evaluation.tables import TableSettings
 from visualspeech.evaluation.topologies import topology_frame, topology_tables
@@ -15,6 +16,7 @@ from visualspeech.storage.tables import read_numbers
 
 source, params = snakemake.input, snakemake.params
 with job(snakemake.log[0]):
+    register(params.own)
     measured = MeasuredRows.of(params.rows, [read_numbers(path) for path in source.statistics])
     facts = TableFacts.of(params.facts, read_split(source.utterances), read_shapes(source.coding), measured)
     settings, paper = TableSettings(**params.settings), published(params.published)

@@ -9,11 +9,12 @@ from visualspeech.storage.arrays import ArrayReader, ArrayWriter
 
 with job(snakemake.log[0]), ArrayWriter(snakemake.output.landmarks) as out:
     settings = LandmarkSettings(**snakemake.params.landmarks), ScreeningSettings(**snakemake.params.screening)
+    folder = snakemake.params.folder
     with ArrayReader(snakemake.input.audio) as audio:
         utterances = [one for one in read_utterances(snakemake.input.utterances) if one.id in audio]
     findings = []
     for one in progress(utterances, len(utterances), "utterances"):
-        tracked = attempt(one, "landmarks", track_recording, one.media, one.start, one.end, *settings)
+        tracked = attempt(one, "landmarks", track_recording, one.media, one.start, one.end, *settings, folder)
         findings += tracked.findings
         if tracked.rejected is None:
             landmarks, rate = tracked.value

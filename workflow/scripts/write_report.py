@@ -3,6 +3,7 @@
 from visualspeech.corpora.findings import read_findings
 from visualspeech.corpora.table import read_split, read_utterances
 from visualspeech.evaluation import gathering
+from visualspeech.evaluation.own_metrics import register
 from visualspeech.evaluation.report import ReportContent, render_report
 from visualspeech.evaluation.report_videos import strip
 from visualspeech.jobs import job
@@ -11,6 +12,8 @@ from visualspeech.storage.files import write_text
 
 source, params, page = snakemake.input, snakemake.params, snakemake.output[0]
 with job(snakemake.log[0]):
+    for given in params.systems:
+        register(given["own"])
     utterances, overviews = read_utterances(source.utterances), gathering.overviews(params.systems)
     systems = tuple(
         gathering.system_section(given, of_system.conclusion.text, source.alignment, page)

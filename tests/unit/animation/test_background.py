@@ -10,7 +10,8 @@ from visualspeech.animation.background import (
     frame_distances,
     write_background,
 )
-from visualspeech.errors import DataError, StorageError
+from visualspeech.errors import DataError, SettingError, StorageError
+from visualspeech.face.blinks import double_blinks
 from visualspeech.face.drift import FaceReference
 from visualspeech.face.pose import Pose
 
@@ -93,3 +94,35 @@ def test_recordings_with_one_seat_and_one_light_are_chosen():
     assert len(choose_recordings(iter(faces), 0.01, 25.0)) == 1
     with pytest.raises(DataError, match="no recording"):
         choose_recordings(iter([]), 3, 25.0)
+
+
+def test_recordings_with_a_double_blink_are_chosen_last():
+    base = recording(20, 2).points
+    blinking = base.copy()
+    for frame in (5, 9):
+        middle = blinking[frame, 36:48, 1].mean()
+        blinking[frame, 36:48, 1] = middle + 0.1 * (blinking[frame, 36:48, 1] - middle)
+    faces = [(name, blinking if name in "bd" else base + 3 * i, ZERO) for i, name in enumerate("abcd")]
+    assert double_blinks(blinking, 25.0) == 1 and double_blinks(base, 25.0) == 0
+    assert choose_recordings(iter(faces), 1.5, 25.0) in (["a", "c"], ["c", "a"])
+    assert set(choose_recordings(iter(faces), 2.0, 25.0)[2:]) <= set("bd")
+    assert len(choose_recordings(iter(faces), 60, 25.0)) == 4
+    only = [faces[1], faces[3]]
+    assert len(choose_recordings(iter(only), 0.5, 25.0)) == 1  # where all have one, one is taken all the same
+
+
+def test_one_recording_of_a_background_can_be_taken(tmp_path):
+    made = [recording(length, seed) for seed, length in enumerate((12, 9))]
+    faces = [FaceReference(np.full(102, i, np.float32), np.full(30, i, np.float32)) for i in range(2)]
+    write_background(
+        tmp_path / "b.h5", (clip(one, name, face=face) for one, name, face in zip(made, "ab", faces, strict=True))
+    )
+    whole = Background.load(tmp_path / "b.h5")
+    assert whole.names == ("a", "b")
+    one = whole.only("b")
+    assert len(one) == 9 and one.names == ("b",) and one.media == ("b.mp4",) and set(one.clip) == {0}
+    np.testing.assert_array_equal(one.landmarks, whole.landmarks[12:])
+    np.testing.assert_array_equal(one.frame(3), whole.frame(15))
+    assert len(one.pose) == 9 and one.shapes.tolist() == whole.shapes[1:].tolist()
+    with pytest.raises(SettingError, match="the background has no recording c; there are a, b"):
+        whole.only("c")

@@ -6,6 +6,7 @@ import pytest
 from tests.unit.evaluation.examples import hmm, measured, stack, statistics
 from visualspeech.evaluation import forms
 from visualspeech.evaluation.ablation import COLUMNS, ablation_frame, ablation_tables
+from visualspeech.evaluation.latex import to_latex
 from visualspeech.evaluation.metrics import corpus_figure
 from visualspeech.evaluation.statistics import BootstrapSettings
 
@@ -64,4 +65,4 @@ def test_layout():
     assert not made[0].rows[7].cells[0].best and not made[0].rows[7].cells[1].best
     text = forms.to_markdown(made)
     assert "**-0.20**" in text and "corpus" in text and "excludes 0" in text and "over utterances and seeds" in text
-    assert forms.to_latex(made).count(r"\begin{table}") == 1 and "Ablation" in forms.to_html_page(made, "Ablation")
+    assert to_latex(made).count(r"\begin{table}") == 1 and "Ablation" in forms.to_html_page(made, "Ablation")

@@ -7,7 +7,8 @@ import pytest
 
 from tests.unit.evaluation.nesting import check_nesting
 from visualspeech.errors import StorageError
-from visualspeech.evaluation.forms import all_forms, fragment_of, to_html, to_html_page, to_latex, to_markdown
+from visualspeech.evaluation.forms import all_forms, fragment_of, to_html, to_html_page, to_markdown
+from visualspeech.evaluation.latex import to_latex
 from visualspeech.evaluation.layout import Cell, Row, Table, best_of, interval, shown
 from visualspeech.evaluation.metrics import METRICS
 

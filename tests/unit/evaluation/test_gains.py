@@ -8,6 +8,7 @@ from visualspeech.errors import DataError
 from visualspeech.evaluation import forms
 from visualspeech.evaluation.comparisons import ComparisonSettings, holm, signed_rank
 from visualspeech.evaluation.gains import best_cell, gains_frame, gains_tables, rows_of_gains
+from visualspeech.evaluation.latex import to_latex
 from visualspeech.evaluation.metrics import METRICS, corpus_figure, statistics_of
 from visualspeech.evaluation.published_results import published
 from visualspeech.evaluation.statistics import BootstrapSettings
@@ -114,7 +115,7 @@ def test_layout():
     text = forms.to_markdown(made)
     assert "**5.0%** \\[5.0%, 5.0%\\]" in text and "**1.122**" in text
     assert "6.6%" in text and "lowest centred RMSE(appearance) on the validation" in text
-    assert forms.to_latex(made).count(r"\begin{table}") == 4 and "http" not in forms.to_html_page(made, "Table 3")
+    assert to_latex(made).count(r"\begin{table}") == 4 and "http" not in forms.to_html_page(made, "Table 3")
     assert len(gains_tables(frame_of(None), rows(), "FBB-128", (), None, ComparisonSettings())) == 2
 
 

@@ -103,7 +103,6 @@ def test_one_setting_down_and_another_across():
         ({"down": "layers"}, "tables.selections.down: layers` must be given together with `across`"),
         ({"down": "a", "across": "b", "intervals": ["corr"]}, "intervals: .* must be left out"),
         ({"metrics": ["corr", "corr"]}, "names each entry once"),
-        ({"metrics": ["cor"]}, "metrics"),
     ],
 )
 def test_settings_that_do_not_go_together(given, said):

@@ -6,6 +6,7 @@ import pytest
 from tests.unit.evaluation.examples import hmm, measured, stack, statistics
 from visualspeech.errors import DataError
 from visualspeech.evaluation import forms
+from visualspeech.evaluation.latex import to_latex
 from visualspeech.evaluation.published_results import published
 from visualspeech.evaluation.topologies import (
     MIN_CORRELATION,
@@ -135,7 +136,7 @@ def test_layout_is_the_papers_in_every_form():
     text = forms.to_markdown(made)
     assert "**156.502**" in text and "*213.354†*" in text and "0.734" in text
     assert "(1 of 2 seeds)" in text and "± 0.0" in text
-    assert all(sign in forms.to_latex(made) for sign in (r"\textbf{156.502}", r"\multicolumn{4}{c}{512}", r"$\pm$"))
+    assert all(sign in to_latex(made) for sign in (r"\textbf{156.502}", r"\multicolumn{4}{c}{512}", r"$\pm$"))
     page = forms.to_html_page(made, "Topologies")
     assert '<th scope="colgroup" colspan="4">512</th>' in page and "<strong>156.502</strong>" in page
     assert "<em>213.354†</em>" in page and "http" not in page

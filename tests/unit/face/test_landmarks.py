@@ -4,11 +4,10 @@ import numpy as np
 import pytest
 
 from tests.paths import grid_root
-from visualspeech.errors import RejectedUtterance, SettingError
-from visualspeech.face import landmarks
+from visualspeech.errors import RejectedUtterance
 from visualspeech.face.dlib_tracker import DlibTracker
 from visualspeech.face.landmarks import fill_gaps, longest_run, smooth, track
-from visualspeech.face.tracker import LandmarkSettings
+from visualspeech.face.tracker import LandmarkSettings, TrackedVideo
 
 RATE = 25.0
 STILL = replace(LandmarkSettings(), smoothing=0.0)
@@ -121,26 +120,6 @@ def test_empty_and_changing_recordings_are_rejected(portrait):
         track([portrait, portrait[:200]], rate=RATE)
 
 
-def test_a_tracker_of_ones_own_takes_the_place_of_dlib(monkeypatch):
-    class Corner:
-        def __init__(self, settings, rate):
-            self.count = 0
-
-        def next(self, frame):
-            self.count += 1
-            return np.full((68, 2), float(self.count))
-
-        def faces(self):
-            return 1
-
-    monkeypatch.setitem(landmarks.TRACKERS, "corner", Corner)
-    frames = [np.zeros((4, 5, 3), np.uint8)] * 3
-    result = track(frames, replace(STILL, tracker="corner"), rate=RATE)
-    np.testing.assert_array_equal(result.points[:, 0, 0], [1, 2, 3])
-    with pytest.raises(SettingError, match="landmarks.tracker"):
-        track(frames, replace(STILL, tracker="nobody"), rate=RATE)
-
-
 def test_gaps_and_runs_against_the_plain_way():
     points = np.random.default_rng(1).normal(size=(8, 2, 2))
     detected = np.array([False, True, False, False, True, True, True, False])
@@ -164,31 +143,15 @@ def test_smoothing_keeps_straight_motion_and_calms_noise():
     np.testing.assert_allclose(smooth(noise, 0.5)[2:-2], plain, atol=1e-9)
 
 
-def test_smoothing_and_detection_mean_the_same_at_any_frame_rate(monkeypatch):
+def test_smoothing_and_detection_mean_the_same_at_any_frame_rate():
     """One movement seen at 25 and at 100 frames a second."""
-
-    class Given:
-        def __init__(self, settings, rate):
-            self.points = iter(movement(rate))
-
-        def next(self, frame):
-            return next(self.points)
-
-        def faces(self):
-            return 1
-
-    def movement(rate):
-        times = (np.arange(round(4 * rate)) + 0.5) / rate
-        return np.sin(2 * np.pi * times)[:, None, None] * np.full((1, 68, 2), 50.0)
-
-    monkeypatch.setitem(landmarks.TRACKERS, "given", Given)
-    settings = LandmarkSettings(tracker="given", smoothing=0.2)
+    settings = LandmarkSettings(tracker="tests.unit.face.trackers:Oscillating", smoothing=0.2)
     at = {r: track([np.zeros((4, 5, 3), np.uint8)] * (4 * r), settings, rate=r).points[:, 0, 0] for r in (25, 100)}
     slow = at[100].reshape(-1, 4).mean(axis=1)
     np.testing.assert_allclose(at[25][25:-25], slow[25:-25], atol=0.5)
     assert np.ptp(at[25][25:-25]) < 60  # of 100
-    intervals = [DlibTracker(LandmarkSettings(), rate)._search_every for rate in (25.0, 100.0, 0.1)]
-    assert intervals == [25, 100, 1]
+    videos = [TrackedVideo("", rate) for rate in (25.0, 100.0, 0.1)]
+    assert [DlibTracker(LandmarkSettings(), video)._search_every for video in videos] == [25, 100, 1]
 
 
 @pytest.mark.skipif(grid_root() is None, reason="GRID is not here (set GRID_ROOT)")

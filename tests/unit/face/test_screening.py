@@ -1,11 +1,10 @@
-from dataclasses import replace
-
 import numpy as np
 import pytest
 
 from tests.unit.face.heads import record
 from visualspeech.errors import RejectedUtterance
-from visualspeech.face import landmarks, screening
+from visualspeech.face import screening
+from visualspeech.face.tracker import LandmarkSettings
 
 RATE = 25.0
 
@@ -98,19 +97,8 @@ def test_one_odd_utterance_stands_out_of_the_corpus():
     assert list(screening.screen_rigid_errors(errors | test, errors)) == sorted(test)
 
 
-def test_what_the_pictures_lack_is_named_before_the_missing_face(monkeypatch):
-    class Blind:
-        def __init__(self, settings, rate):
-            pass
-
-        def next(self, frame):
-            return None
-
-        def faces(self):
-            return 0
-
-    monkeypatch.setitem(landmarks.TRACKERS, "blind", Blind)
-    settings = replace(landmarks.LandmarkSettings(), tracker="blind")
+def test_what_the_pictures_lack_is_named_before_the_missing_face():
+    settings = LandmarkSettings(tracker="tests.unit.face.trackers:Blind")
     grey = [np.full((144, 180, 3), 128, np.uint8)] * 10
     with pytest.raises(RejectedUtterance, match="show a single colour"):
         screening.track_screened(grey, RATE, settings)

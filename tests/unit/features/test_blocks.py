@@ -68,6 +68,7 @@ def fitted(kind, **settings):
 
 def test_the_kinds_are_the_modules():
     assert block_kinds() == [
+        "arrays",
         "dynamic_visemes",
         "full_context",
         "label_parts",
@@ -85,7 +86,7 @@ def test_the_kinds_are_the_modules():
         cls = block_class(kind)
         assert cls.kind == kind and cls.__module__ == block_module(kind)
         assert cls.settings is None or issubclass(cls.settings, Settings)
-    known = "dynamic_visemes, full_context, label_parts, linguistic, log_mel, phone, phone_classes, phone_track"
+    known = "arrays, dynamic_visemes, full_context, label_parts, linguistic, log_mel, phone, phone_classes, phone_track"
     with pytest.raises(StorageError, match=f"kind 'triphones' is unknown. Known: {known}"):
         block_class("triphones")
 
@@ -245,6 +246,7 @@ def test_blocks_say_what_they_are_computed_from():
     needs = {kind: needs_of(block_class(kind)) for kind in block_kinds()}
     assert needs.pop("log_mel") == needs.pop("speech27") == needs.pop("speech44") == ("audio",)
     assert needs.pop("dynamic_visemes") == needs.pop("viseme_context") == ("text", "faces")
+    assert needs.pop("arrays") == ()
     assert set(needs.values()) == {("text",)}
     # What a label block reads does not change where there is sound.
     for kind in needs:

@@ -41,6 +41,7 @@ def test_blocks_of_visemes_are_complete_and_need_faces():
         (changed({"dv": None}, {"honest": None, "cheat": None}), r"blocks.ctx.visemes: dv` is no .*Known: seen"),
         (changed({"dv": {"kind": "dynamic_visemes", "classes": 1}}), r"dv.classes: 1` must be at least 2"),
         (changed({"dv": {"kind": "dynamic_visemes", "source": "heard"}}), r"heard` must be one of oracle, predicted"),
+        (changed({"given": {"kind": "arrays"}}), r"blocks.given.kind: arrays` must be one of dynamic_visemes, full"),
         (changed(viseme_numbers={"block": "tri"}), r"viseme_numbers.block: tri` is no input block of kind dynamic_vis"),
         (changed(viseme_numbers={"classes": [1]}), r"viseme_numbers.classes.0: 1` must be at least 2"),
         (changed(speak={"model": "cheat"}), r"`speak.model: cheat` reads dynamic visemes of the recording "

@@ -13,6 +13,7 @@ EMPTY = {
     "ablation": {"columns": [], "rows": {}},
     "regions": {"rows": []},
     "emotions": {"rows": [], "min_utterances": 2},
+    "latex": {"rows": [], "metrics": []},
 }
 
 

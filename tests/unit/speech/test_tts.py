@@ -1,5 +1,7 @@
 """Synthetic speech and letter-to-sound."""
 
+import time
+
 import numpy as np
 import pytest
 
@@ -20,6 +22,13 @@ def test_same_text_same_samples(speech):
     again = synthesise("A happy puppy of the pub, jumping up to catch 12 apples.")
     assert np.array_equal(speech.samples, again.samples)
     assert speech.phones == again.phones and speech.words == again.words
+
+
+def test_a_voice_with_breath_says_the_same_in_another_second():
+    """eSpeak NG takes the time in seconds for the seed of its noise."""
+    first = synthesise("Buy some warm milk.", "en-us+f3")
+    time.sleep(1.1)
+    assert np.array_equal(first.samples, synthesise("Buy some warm milk.", "en-us+f3").samples)
 
 
 def test_phones_follow_each_other_and_cover_the_sound(speech):

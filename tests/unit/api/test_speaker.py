@@ -1,0 +1,103 @@
+"""A speaker as a program uses it: frames, a file, bytes, and mistakes."""
+
+from concurrent.futures import ThreadPoolExecutor
+
+import numpy as np
+import pytest
+import soundfile
+
+from tests.unit.animation import speakers
+from visualspeech import RejectedUtterance, SettingError, Speaker, StorageError
+from visualspeech.media.reading import probe, read_audio, read_frames
+
+
+@pytest.fixture(scope="module")
+def speaker(tmp_path_factory):
+    return Speaker.load(speakers.make(tmp_path_factory.mktemp("speaker") / "made"))
+
+
+def test_a_text_becomes_frames_and_a_file(speaker, tmp_path):
+    said = speaker.say("Hello.")
+    frames = list(said)
+    assert len(frames) == round(said.seconds * said.rate) == len(said.parameters)
+    assert all(frame.dtype == np.uint8 and frame.shape == frames[0].shape for frame in frames)
+    path = said.save(tmp_path / "said.mp4")
+    shown = list(read_frames(path))
+    assert len(shown) == len(frames) and np.abs(shown[3].astype(float) - frames[3]).mean() < 4
+    assert probe(path).audio_rate == said.audio_rate and said.sound.dtype == np.float32
+    heard = read_audio(path, said.audio_rate)
+    assert len(heard) == pytest.approx(len(said.sound), abs=2048) and np.abs(said.sound).max() > 0.1
+
+
+def test_each_request_is_by_itself(speaker, tmp_path):
+    first, other = speaker.say("Hello."), speaker.say("Another.", speed=300, label=False)
+    again = speaker.say("Hello.")
+    assert np.array_equal(first.parameters, again.parameters) and other.seconds != first.seconds
+    assert all(np.array_equal(a, b) for a, b in zip(first, again, strict=True))
+    assert first.mp4() == again.mp4() == first.save(tmp_path / "a.mp4").read_bytes()
+    plain = speaker.say("Hello.", label=False)
+    assert not np.array_equal(next(iter(plain)), next(iter(first)))
+    assert speaker.consent == speakers.CONSENT
+
+
+def test_requests_of_several_threads_do_not_disturb_each_other(speaker):
+    texts = ["Hello.", "How are you?", "I am well.", "Goodbye."]
+    expected = [speaker.say(text).mp4() for text in texts]
+    with ThreadPoolExecutor(4) as pool:
+        assert list(pool.map(lambda text: speaker.say(text).mp4(), texts)) == expected
+
+
+def test_frames_are_rendered_as_they_are_asked_for(speaker, monkeypatch):
+    from visualspeech.animation import speaking
+
+    rendered = []
+    labelled = speaking.labelled
+    monkeypatch.setattr(speaking, "labelled", lambda frame, *given: rendered.append(1) or labelled(frame, *given))
+    next(iter(speaker.say("Hello. How are you? I am well.")))
+    assert len(rendered) == 1
+
+
+def test_distances_of_the_background_are_computed_once(speaker, monkeypatch):
+    from visualspeech.animation import background
+
+    next(iter(speaker.say("Hello.")))
+    monkeypatch.setattr(background, "frame_distances", None)
+    next(iter(speaker.say("Again.")))
+
+
+def test_a_recording_gives_the_voice(speaker, tmp_path):
+    said = speaker.say("The boys buy a map.")
+    soundfile.write(tmp_path / "said.wav", said.sound, said.audio_rate)
+    with_text = speaker.say_recording(tmp_path / "said.wav", "The boys buy a map.")
+    heard = speaker.say_recording(tmp_path / "said.wav")
+    assert with_text.seconds == pytest.approx(said.seconds, abs=0.1) == heard.seconds
+    assert heard.bundle.model == "F-4-mel" and with_text.bundle.model == "F-4"
+    assert "recording said.wav" in with_text.voice and next(iter(heard)).ndim == 3
+
+
+@pytest.mark.parametrize(
+    ("text", "options", "said"),
+    [
+        ("", {}, "no word to pronounce"),
+        ("?!", {}, "no word to pronounce"),
+        ("Hello.", {"voice": "martian"}, "no voice"),
+        ("Hello.", {"speed": 20}, "at least 80 and at most 450"),
+        ("Hello.", {"pitch": 101}, "at most 100"),
+        ("Hello.", {"seed": -1}, "seed=-1: give a number from 0"),
+        ("Hello.", {"seed": "a"}, "seed=a: give a number from 0"),
+    ],
+)
+def test_mistakes_are_reported_by_the_call(speaker, text, options, said):
+    with pytest.raises(SettingError, match=said):
+        speaker.say(text, **options)
+
+
+def test_other_mistakes(speaker, tmp_path):
+    with pytest.raises(StorageError, match="holds no speaker.json"):
+        Speaker.load(tmp_path)
+    with pytest.raises(SettingError, match="ends in .mp4"):
+        speaker.say("Hello.").save(tmp_path / "said.avi")
+    with pytest.raises(RejectedUtterance, match="nowhere.wav: the file does not exist"):
+        speaker.say_recording(tmp_path / "nowhere.wav", "Hello.")
+    with pytest.raises(SettingError, match="is empty"):
+        speaker.say_recording(tmp_path / "nowhere.wav", " ")

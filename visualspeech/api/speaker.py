@@ -1,0 +1,189 @@
+"""A speaker who says any text: loaded once, then one call per text."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+import numpy as np
+
+from visualspeech.animation.bundle import SpeakerBundle
+from visualspeech.animation.performance import Performance, perform
+from visualspeech.animation.speaking import speak, speaking_frames
+from visualspeech.animation.speaking_settings import SpeakSettings
+from visualspeech.animation.walk import WalkSettings
+from visualspeech.api.speech import named
+from visualspeech.errors import SettingError
+from visualspeech.fields import MAX_SEED, shortened
+from visualspeech.models.inventory import needs_of_model
+from visualspeech.speech.sentences import check_pronounceable
+from visualspeech.speech.spoken import speak_recording, speak_sound, speak_text
+from visualspeech.speech.spoken_settings import VoiceSettings
+
+
+@dataclass(frozen=True)
+class Said:
+    """What a speaker says: an iterable of frames, a video file, or its bytes.
+
+    The sound and the parameters of the face are there when it is made; frames are rendered as they are asked for, anew
+    each time, so that memory does not grow with the text.
+
+    Parameters
+    ----------
+    bundle, performance : speaker; sound and parameters
+    voice : source of the sound, for the metadata of the video
+    settings : of the rendering
+    """
+
+    bundle: SpeakerBundle
+    performance: Performance
+    voice: str
+    settings: SpeakSettings
+
+    @property
+    def rate(self) -> float:
+        """Frame rate in Hz: that of the recorded frames."""
+        return self.bundle.background.rate
+
+    @property
+    def seconds(self) -> float:
+        """Duration."""
+        return self.performance.seconds
+
+    @property
+    def audio_rate(self) -> int:
+        """Sample rate of the sound in Hz."""
+        return self.performance.audio_rate
+
+    @property
+    def sound(self) -> np.ndarray:
+        """All of the sound, (n,) float32 in [-1, 1], mono."""
+        return np.concatenate(list(self.performance.sound()))
+
+    @property
+    def parameters(self) -> np.ndarray:
+        """Parameters of the visual coding, (T, N) float32 at the rate of the model."""
+        return np.asarray(self.performance.appearance[: len(self.performance.appearance)])
+
+    def __iter__(self) -> Iterator[np.ndarray]:
+        """The frames, (height, width, 3) uint8 RGB, one at a time; height and width are even."""
+        return speaking_frames(self.performance.appearance, self.bundle, self.settings, self.performance.rate)
+
+    def save(self, path: str | Path) -> Path:
+        """Write an MP4 file with its sound, and metadata that say that it is synthetic; returns its path.
+
+        Raises
+        ------
+        SettingError
+            The name does not end in ``.mp4``.
+        StorageError
+            The file cannot be written.
+        """
+        path = Path(path)
+        if path.suffix.lower() != ".mp4":
+            raise SettingError(f"{path}: videos are written as MP4; give a name that ends in .mp4.")
+        speak(path, self.performance, self.bundle, self.voice, self.settings)
+        return path
+
+    def mp4(self) -> bytes:
+        """The same file as bytes, for the answer to a request."""
+        with TemporaryDirectory(prefix="visualspeech.") as folder:
+            return self.save(Path(folder, "said.mp4")).read_bytes()
+
+
+@dataclass(frozen=True)
+class Speaker:
+    """A speaker of a finished run: ``Speaker.load(folder).say("Hello.").save("hello.mp4")``.
+
+    It is loaded once and can say any number of texts, one call each. A label in every frame and the metadata of the
+    file say that what is shown is synthetic.
+
+    Parameters
+    ----------
+    bundle : models, face at rest and recorded frames
+    """
+
+    bundle: SpeakerBundle
+
+    @classmethod
+    def load(cls, folder: str | Path) -> "Speaker":
+        """The speaker in a folder that the workflow's target ``speaker`` has written.
+
+        Raises
+        ------
+        StorageError
+            The folder is no speaker, or a part is missing or damaged.
+        DataError
+            A part was changed or replaced.
+        """
+        return cls(SpeakerBundle.load(folder))
+
+    @property
+    def consent(self) -> str:
+        """Whose face it is, and by what permission."""
+        return self.bundle.consent
+
+    def say(
+        self,
+        text: str,
+        *,
+        voice: str = "en-us",
+        speed: int = 150,
+        pitch: int = 45,
+        seed: int = 0,
+        label: bool = True,
+    ) -> Said:
+        """The speaker saying a text with a synthetic voice.
+
+        Parameters
+        ----------
+        text : English text of any length
+        voice : English voice of eSpeak NG
+        speed : words per minute, 80 to 450
+        pitch : 0 to 100
+        seed : of the order of the recorded frames
+        label : whether each frame has the small label ``synthetic``
+
+        Raises
+        ------
+        SettingError
+            There is no word to pronounce, no such voice, or a value is out of range.
+        """
+        check_pronounceable(text)
+        settings = VoiceSettings(voice, speed, pitch)
+        spoken = speak_text(text, settings, self.bundle.shares)
+        return self._said(self.bundle, spoken, f"synthetic (eSpeak NG, {voice})", seed, label)
+
+    def say_recording(
+        self, recording: str | Path, text: str | None = None, *, seed: int = 0, label: bool = True
+    ) -> Said:
+        """The speaker saying what is said in a recording, with the recorded voice.
+
+        Parameters
+        ----------
+        recording : path of a sound or video file
+        text : what is said in it; None: the lips follow the sound, or recognised phones where no model reads sound
+        seed, label : as of :meth:`say`
+
+        Raises
+        ------
+        SettingError
+            The text is empty.
+        RejectedUtterance
+            The recording cannot be read, there is no speech in it, or the text is not what is said.
+        """
+        bundle = self.bundle.for_recordings() if text is None else self.bundle
+        rate = bundle.trained.rate
+        if bundle.reads_sound_alone:
+            spoken = speak_sound(recording, rate, text or "")
+        else:
+            listens = "audio" in needs_of_model(bundle.trained)
+            spoken = speak_recording(recording, text, rate, shares=bundle.shares, with_sound=listens)
+        with named(recording):
+            return self._said(bundle, spoken, f"recording {Path(recording).name}, as given", seed, label)
+
+    def _said(self, bundle: SpeakerBundle, spoken, voice: str, seed: int, label: bool) -> Said:
+        if not (isinstance(seed, int) and 0 <= seed <= MAX_SEED):
+            raise SettingError(f"seed={shortened(seed)}: give a number from 0 to {MAX_SEED}.")
+        settings = SpeakSettings(label=label, walk=WalkSettings(seed=seed))
+        return Said(bundle, perform(spoken, bundle.trained, bundle.rest), voice, settings)
