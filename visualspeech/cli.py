@@ -1,4 +1,4 @@
-"""The console command ``visualspeech``: speech of a speaker, backgrounds, export of results, viewing tests.
+"""The console command ``visualspeech``: a speaker says a text, one's own backgrounds, export of results, viewing tests.
 
 Errors are reported in one sentence. The exit status is 2 if the command line must be changed, 130 if the command was
 interrupted (143 or 129 if it was told to end by SIGTERM or SIGHUP), and 1 for any other error.
@@ -38,7 +38,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     log.propagate = False
     logging.raiseExceptions = False  # a closed terminal is no error
     try:
-        with stoppable(lambda _: getattr(given, "stopped", _say_stopped)()):
+        with stoppable(lambda _: given.stopped()):
             given.run(given)
     except VisualSpeechError as error:
         message = str(error)
@@ -67,8 +67,9 @@ def _say_stopped() -> None:
 
 def _parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(
-        prog="visualspeech", description="Talking heads of recorded speakers, exports of runs, and viewing tests."
+        prog="visualspeech", description="Talking heads of recorded speakers, and viewing tests."
     )
+    parser.set_defaults(stopped=_say_stopped)
     commands = parser.add_subparsers(title="commands", required=True, metavar="COMMAND")
     speak = commands.add_parser(
         "speak",
