@@ -24,6 +24,8 @@ report: "workflow/report/workflow.rst"
 
 
 include: "workflow/inputs/plan.smk"
+include: "workflow/inputs/studies.smk"
+include: "workflow/inputs/evaluations.smk"
 
 
 # Where results lie; every path in the rules begins with one of these. A wildcard inside a path variable is constrained here.
@@ -37,6 +39,8 @@ pathvars:
     aam_system=f"<corpus>/{{system,{one_of(systems_of_kind('aam'))}}}",
     marker_system=f"<corpus>/{{system,{one_of(systems_of_kind('markers'))}}}",
     model="<system>/models/{model}",
+    evaluation=f"<corpus>/evaluations/{{evaluated,{one_of(one.name for one in PLAN.evaluated)}}}",
+    study=f"<results>/{{corpus,{NOT_ANSWERED}{one_of(PLAN.corpora)}}}/studies/{{study,{one_of(SETTINGS['studies'])}}}",
 
 
 wildcard_constraints:
@@ -69,7 +73,8 @@ include: "workflow/rules/figures.smk"
 include: "workflow/rules/visemes.smk"
 include: "workflow/rules/videos.smk"
 include: "workflow/rules/marker_videos.smk"
-include: "workflow/rules/preference.smk"
+include: "workflow/rules/studies.smk"
+include: "workflow/rules/evaluations.smk"
 include: "workflow/rules/speak.smk"
 include: "workflow/rules/report.smk"
 
@@ -173,14 +178,14 @@ rule viseme_numbers:
         viseme_number_tables,
 
 
-rule preference:
+rule study:
     input:
-        for_pictured("<system>/preference/videos"),
+        study_files,
 
 
-rule tally:
+rule study_evaluation:
     input:
-        for_pictured("<system>/tables/preference.tsv"),
+        evaluated_folders,
 
 
 rule report:

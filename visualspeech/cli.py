@@ -1,4 +1,4 @@
-"""The console command ``visualspeech``: a speaker says a text, backgrounds of one's own, export of a run's results.
+"""The console command ``visualspeech``: a speaker says a text, one's own backgrounds, export of results, viewing tests.
 
 Errors are reported in one sentence. The exit status is 2 if the command line must be changed, 130 if the command was
 interrupted (143 or 129 if it was told to end by SIGTERM or SIGHUP), and 1 for any other error.
@@ -20,6 +20,7 @@ from visualspeech.errors import CorpusError, RejectedUtterance, SettingError, Vi
 from visualspeech.fields import MAX_SEED, shortened
 from visualspeech.interruption import stoppable
 from visualspeech.jobs import log
+from visualspeech.study.command import add_study
 
 #: Suffixes of videos, each a container.
 SUFFIXES = (".mp4", ".mov", ".webm")
@@ -37,7 +38,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     log.propagate = False
     logging.raiseExceptions = False  # a closed terminal is no error
     try:
-        with stoppable(_say_stopped):
+        with stoppable(lambda _: given.stopped()):
             given.run(given)
     except VisualSpeechError as error:
         message = str(error)
@@ -60,12 +61,15 @@ def main(arguments: Sequence[str] | None = None) -> int:
     return 0
 
 
-def _say_stopped(reason: str) -> None:
+def _say_stopped() -> None:
     print("visualspeech: stopped; nothing was written.", file=sys.stderr, flush=True)
 
 
 def _parser() -> argparse.ArgumentParser:
-    parser = argparse.ArgumentParser(prog="visualspeech", description="Talking heads of recorded speakers.")
+    parser = argparse.ArgumentParser(
+        prog="visualspeech", description="Talking heads of recorded speakers, and viewing tests."
+    )
+    parser.set_defaults(stopped=_say_stopped)
     commands = parser.add_subparsers(title="commands", required=True, metavar="COMMAND")
     speak = commands.add_parser(
         "speak",
@@ -131,6 +135,7 @@ def _parser() -> argparse.ArgumentParser:
     background.add_argument("--debug", action="store_true", help=argparse.SUPPRESS)
     background.set_defaults(run=_background)
     add_export(commands)
+    add_study(commands)
     return parser
 
 

@@ -67,14 +67,18 @@ from visualspeech.models.trajectory.settings import TrajectorySettings
 from visualspeech.schema import check, settings_class
 from visualspeech.speech.forced_alignment import AlignmentSettings
 from visualspeech.speech.spoken_settings import VoiceSettings
+from visualspeech.study.evaluation_settings import EvaluationSettings
+from visualspeech.study.settings import StudySettings
 
 CLASSES = [
     AamSettings, AlignmentSettings, BootstrapSettings, CheckSettings, ComparisonSettings, DemoSettings, DnnSettings,
-    DriftSettings, DynamicVisemesSettings, EmotionSettings, EnsembleSettings, FittingSettings, FullContextSettings,
+    DriftSettings, DynamicVisemesSettings, EmotionSettings, EnsembleSettings, EvaluationSettings, FittingSettings,
+    FullContextSettings,
     GvCompensationSettings, HmmSettings, JointSettings, LabelPartsSettings, LandmarkSettings, LinguisticSettings,
     LogMelSettings, LookupSettings, MarkerSettings, MotionSettings, PhoneClassesSettings, PhoneSettings,
     PhoneTrackSettings, PoseSettings, ReferenceSettings, RegionTableSettings, RenderSettings, ScreeningSettings,
-    LatexSettings, SelectionSettings, SpeakSettings, SpeechSettings, StackSettings, TableSettings, TrainingSettings,
+    LatexSettings, SelectionSettings, SpeakSettings, SpeechSettings, StackSettings, StudySettings, TableSettings,
+    TrainingSettings,
     TrajectorySettings, TriphoneStateSettings, VideoSettings, VisemeContextSettings, VisemeNumberSettings,
     VoiceSettings, WalkSettings,
 ]  # fmt: skip

@@ -17,6 +17,7 @@ LAYERS = (
     ("features",),
     ("models",),
     ("animation", "evaluation"),
+    ("study",),
     ("planning", "api"),
     ("cli",),
 )

@@ -275,16 +275,18 @@ def selected(changes):
             f"`{FAN}.videos.model: reconstruction` is no model of the system. Kno",
         ),
         (system("videos: {label: 1}"), rf"`{FAN}.videos.label: 1` must be true or false\. "),
-        (system("preference: {models: [FBB-128]}"), rf"`{FAN}.preference.models: \[FBB-128\]` must name two models"),
         (
-            system("preference: {models: [FBB-128, x]}"),
-            f"`{FAN}.preference.models.1: x` is no model of the system. Known:",
+            system("trajectories: {models: [FBB-128, x]}"),
+            f"`{FAN}.trajectories.models.1: x` is no model of the system. Known:",
         ),
         (
-            system("preference: {models: [FBB-128, FBB-128]}"),
-            f"`{FAN}.preference.models: .* names FBB-128 more than once",
+            system("trajectories: {models: [FBB-128, FBB-128]}"),
+            f"`{FAN}.trajectories.models: .* names FBB-128 more than once",
         ),
-        (system("preference: {models: [a, b, c]}"), f"`{FAN}.preference.models: .* must have at most 2 entries"),
+        (
+            system("trajectories: {models: [a, b, c, d, e, f, g, h]}"),
+            f"`{FAN}.trajectories.models: .* must have at most 7 entries",
+        ),
         (
             system("tables: {topologies: [net]}"),
             f"`{FAN}.tables.topologies.0: net` is no entry of `models` and no row. Did",
@@ -453,9 +455,12 @@ def selected(changes):
         ),
         (
             "override: {system: {}}",
-            r"unknown setting `override.system`. Did you mean `systems`\? Known here: codings, sys",
+            r"unknown setting `override.system`. Did you mean `systems`\? Known here: codings, studies, sys",
         ),
-        ("override: 3", "`override: 3` must be lines of `key: value`. Changes of single systems and codings, by name."),
+        (
+            "override: 3",
+            "`override: 3` must be lines of `key: value`. Changes of single systems, codings and studies, by name.",
+        ),
         (
             "systems: 3",
             r"`systems: 3` must be a list, a text or lines of `key: value` \(put it in quotes\). The published",
@@ -593,12 +598,12 @@ def test_what_does_not_go_together_is_told_at_once_too():
     with pytest.raises(SettingError) as told:
         resolved(
             "{split: {train: 0.7}, override: {codings: {aam51: {points: x}},"
-            " systems: {fan2015: {videos: {model: x}, preference: {models: [x, y]}, tables: {topologies: [x]}}}}}"
+            " systems: {fan2015: {videos: {model: x}, trajectories: {models: [x, y]}, tables: {topologies: [x]}}}}}"
         )
     lines = str(told.value).splitlines()
     assert [line.split("`")[1] for line in lines] == [
         "split", "codings.aam51.points: x", f"{FAN}.tables.topologies.0: x", f"{FAN}.videos.model: x",
-        f"{FAN}.preference.models.0: x", f"{FAN}.preference.models.1: y",
+        f"{FAN}.trajectories.models.0: x", f"{FAN}.trajectories.models.1: y",
     ]  # fmt: skip
 
 

@@ -73,7 +73,8 @@ def nodes(node, path=""):
 
 def sections(schema):
     """The parts of a schema that stand for a settings class."""
-    return [(path, node, settings_class(node["settings"])) for path, node in nodes(schema) if "settings" in node]
+    every = [("", schema), *nodes(schema)]
+    return [(path, node, settings_class(node["settings"])) for path, node in every if "settings" in node]
 
 
 def derived():
@@ -99,7 +100,7 @@ def test_sections_say_what_their_classes_say(name):
         assert set(node.get("hidden", ())) <= {"seed"}, path
         # Whatever else a section holds is a section or a list of its own, never a second copy of a field.
         assert all("default" in node["properties"][key] or "settings" in node["properties"][key]
-                   for key in set(node["properties"]) - set(own)), path  # fmt: skip
+                   for key in set(node["properties"]) - set(own) - set(node.get("required", ()))), path  # fmt: skip
 
 
 def test_every_settings_class_of_a_run_is_in_a_schema():

@@ -164,9 +164,6 @@ def test_results_are_never_written_among_recordings(tmp_path, monkeypatch):
     (tmp_path / "results" / "demo").mkdir(parents=True)
     with pytest.raises(SettingError, match="`speak.file: results/demo/said.txt` lies among the results"):
         resolved({"speak": {"file": "results/demo/said.txt"}})
-    changes = {"override": {"systems": {"fan2015": {"preference": {"answers": "results/demo/x.tsv"}}}}}
-    with pytest.raises(SettingError, match="fan2015.preference.answers: results/demo/x.tsv` lies among the results"):
-        resolved(changes)
     with pytest.raises(SettingError, match="corpora.mine.table: .* lies among the results"):
         resolved({"corpora": {**corpus, "table": str(tmp_path / "results" / "mine" / "t.tsv")}})
 

@@ -179,7 +179,7 @@ def test_the_corpus_goes_on_with_the_good_recordings(findings):
             "`codings.aam51.aam.shape.components: 93` is more than there can be",
         ),
         (of_coding(aam={"texture": {"components": 300}}), "300 images give 299 at most"),
-        (of_system(preference={"models": ["FB-16", "FB-17"]}), "preference.models.1: FB-17` is no model of"),
+        (of_system(trajectories={"models": ["FB-16", "FB-17"]}), "trajectories.models.1: FB-17` is no model of"),
         ({"speak": {"model": "FB-17"}}, "`speak.model: FB-17` is no model of fan2015. Did you mean `FB-16`?"),
         ({"speak": {"sentences": ["Fine.", "?!"]}}, "no word to pronounce in '?!', text 2 of speak.sentences"),
         ({"speak": {"file": "nowhere.txt"}}, "cannot read the sentences of nowhere.txt: No such file"),

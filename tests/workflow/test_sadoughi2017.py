@@ -79,10 +79,10 @@ def test_its_videos_and_controls_stand_in_the_report(run):
     assert f"sadoughi2017/videos/{next(videos.glob('*.mp4')).name}" in report and "Sadoughi &amp; Busso 2017" in report
 
 
-def test_it_speaks_and_is_preferred_by_nobody(run):
+def test_it_does_not_speak(run):
     folder, files, _ = run
     alone = overlay(files[1].parent, {"systems": ["sadoughi2017"]}, name="alone.yaml")
-    for target in ("speak", "speaker", "preference", "tally"):
+    for target in ("speak", "speaker"):
         refused = snakemake(folder, "--dry-run", target, configfiles=alone)
         assert refused.returncode != 0 and "Traceback" not in refused.stdout
         assert "markers" in refused.stdout.splitlines()[-1]

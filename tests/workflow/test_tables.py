@@ -1,13 +1,10 @@
 """Tables of a finished run, and what seeds, widths and richer labels make the workflow do."""
 
 import re
-import shutil
 
 import pytest
 
-from tests.described_files import undescribed
 from tests.workflow.running import of_system, overlay, snakemake
-from visualspeech.storage.tables import read_table
 
 pytestmark = pytest.mark.xdist_group("workflow")
 
@@ -44,32 +41,3 @@ def test_richer_labels_train_only_networks_of_them(tiny_run, tmp_path):
 def test_the_other_reading_of_widths_trains_anew(tiny_run, tmp_path):
     out = planned(tiny_run, "models", overlay(tmp_path, of_system(models={"nets": {"b_nodes": "layer"}})))
     assert out.count("rule train_model:") == 1 and "models/FB-16/model.safetensors" in out
-
-
-def test_a_preference_test_is_a_target(tiny_run, tmp_path):
-    done = snakemake(tiny_run, "preference", configfiles=overlay(tmp_path, of_system(preference={"count": 1})))
-    assert done.returncode == 0, done.stdout[-3000:]
-    run = tiny_run / "results" / "tiny" / "fan2015"
-    assert [path.name for path in (run / "preference" / "videos").glob("*.mp4")] == ["01.mp4"]
-    key = read_table(run / "preference_key.tsv", ("utterance", "A", "B"))
-    assert {key["A"][0], key["B"][0]} == {"FB-16", "hmm_mge"}
-    answers = tmp_path / "answers.tsv"
-    answers.write_text(f"listener\tpair\tanswer\nx\t1\t{'A' if key['A'][0] == 'FB-16' else 'B'}\n")
-    blank = "results/tiny/fan2015/tables/preference.tsv"
-    done = snakemake(tiny_run, blank, configfiles=overlay(tmp_path, of_system(preference={"count": 1})))
-    assert done.returncode != 0 and "preference/answers.tsv" in done.stdout and "Traceback" not in done.stdout
-    changes = of_system(preference={"count": 1, "answers": str(answers)})
-    done = snakemake(tiny_run, blank, configfiles=overlay(tmp_path, changes))
-    assert done.returncode == 0, done.stdout[-3000:]
-    assert "100.0%" in (run / "tables" / "preference.md").read_text()
-    assert undescribed(run.parent) == []
-    for path in (run / "tables").glob("preference.*"):
-        path.unlink()
-    (run / "preference_key.tsv").unlink()
-    shutil.rmtree(run / "preference")
-
-
-def test_unknown_models_of_a_preference_test_are_named(tiny_run, tmp_path):
-    changes = of_system(preference={"models": ["FB-16", "FB-17"]})
-    done = snakemake(tiny_run, "--dry-run", "preference", configfiles=overlay(tmp_path, changes))
-    assert done.returncode != 0 and "preference.models.1: FB-17` is no" in done.stdout

@@ -147,10 +147,10 @@ def side_by_side(panels: Sequence[Panel], label: bool = True) -> Iterator[np.nda
         if bar is None:
             widths = [frame.shape[1] for frame in marked]
             bar = title_bar([panel.title for panel in panels], widths, title_height(marked[0].shape[0]))
-        yield _even(np.vstack([bar, np.hstack(marked)]))
+        yield even_sized(np.vstack([bar, np.hstack(marked)]))
 
 
-def _even(frame: np.ndarray) -> np.ndarray:
+def even_sized(frame: np.ndarray) -> np.ndarray:
     """A frame of even size, as H.264 needs: an odd last row or column is repeated."""
     height, width = frame.shape[:2]
     return np.pad(frame, ((0, height % 2), (0, width % 2), (0, 0)), mode="edge")

@@ -4,67 +4,16 @@ The same input gives the same bytes: the style does not depend on the user's mat
 no date or version.
 """
 
-import io
-from collections.abc import Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
 from visualspeech.errors import DataError
+from visualspeech.evaluation.plot_style import COLOURS, TRUTH
+from visualspeech.evaluation.plot_style import new_figure as _figure
+from visualspeech.evaluation.plot_style import png_bytes as _png
+from visualspeech.evaluation.plot_style import style as _style
 from visualspeech.speech.phones import SILENCE
-
-#: Okabe and Ito's colours, which colour-blind readers can distinguish.
-COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#7f7f7f", "#000000")
-TRUTH = "#1a1a1a"
-STYLE = {
-    "figure.dpi": 110,
-    "savefig.dpi": 110,
-    "figure.facecolor": "white",
-    "axes.spines.top": False,
-    "axes.spines.right": False,
-    "axes.edgecolor": "#888888",
-    "axes.titlesize": 11,
-    "figure.titlesize": 11,
-    "axes.titlelocation": "left",
-    "axes.labelsize": 10,
-    "axes.grid": True,
-    "axes.grid.axis": "y",
-    "grid.color": "#e4e4e4",
-    "grid.linewidth": 0.8,
-    "font.family": ["DejaVu Sans"],
-    "font.size": 9,
-    "legend.frameon": False,
-    "lines.linewidth": 1.6,
-    "lines.solid_capstyle": "round",
-    # A "$" in a name is a dollar sign, not the beginning of a formula.
-    "text.parse_math": False,
-    "text.usetex": False,
-}
-
-
-@contextmanager
-def _style() -> Iterator[None]:
-    import matplotlib
-
-    with matplotlib.rc_context():
-        matplotlib.rcdefaults()
-        matplotlib.rcParams.update(STYLE)
-        yield
-
-
-def _figure(width: float, height: float):
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
-    from matplotlib.figure import Figure
-
-    figure = Figure(figsize=(width, height), layout="constrained")
-    FigureCanvasAgg(figure)
-    return figure
-
-
-def _png(figure) -> bytes:
-    buffer = io.BytesIO()
-    figure.savefig(buffer, format="png", metadata={"Software": None})
-    return buffer.getvalue()
 
 
 def learning_curves(panels: Mapping[str, Mapping[str, object]]) -> bytes:

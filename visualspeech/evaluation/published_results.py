@@ -58,7 +58,9 @@ class Published:
     stacks, nodes : what the paper trained, which may be more than it prints
     gains : name of a model -> figures by measure: reference models, and the best network
     best : name of the best network among them
-    preference : answer -> share of the listeners
+    preference : answer -> share of the listeners' answers
+    majority : answer -> share of the sentences by majority of the viewers
+    ratings : what is said of ratings of viewers -> the text as printed
     selections : name of a table of chosen rows -> what the paper prints in it
     regions : its table of models by region of the face
     emotions : emotion -> number of its test utterances
@@ -73,6 +75,8 @@ class Published:
     gains: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
     best: str = ""
     preference: Mapping[str, float] = field(default_factory=dict)
+    majority: Mapping[str, float] = field(default_factory=dict)
+    ratings: Mapping[str, str] = field(default_factory=dict)
     selections: Mapping[str, PublishedSelection] = field(default_factory=dict)
     regions: PublishedRegions | None = None
     emotions: Mapping[str, int] = field(default_factory=dict)
@@ -89,9 +93,9 @@ def published(key: str) -> Published | None:
 
     The file names ``source``, ``corpus`` and ``metrics``. Its sections, none of which it must have: ``topologies``
     (``figures`` by stack and nodes; ``trained`` with ``stacks`` and ``nodes``), ``gains`` (``best``, ``figures`` by
-    model), ``preference``, ``selections`` (by name ``metrics``, and ``figures`` by row: for each measure mean and
-    deviation; ``notes``), ``regions`` (``metrics``, ``digits``, ``rows`` with title, nodes, parameters, figures),
-    ``emotions`` (number of utterances by emotion).
+    model), ``preference``, ``majority``, ``ratings`` (texts), ``selections`` (by name ``metrics``, and ``figures`` by
+    row: for each measure mean and deviation; ``notes``), ``regions`` (``metrics``, ``digits``, ``rows`` with title,
+    nodes, parameters, figures), ``emotions`` (number of utterances by emotion).
 
     Raises
     ------
@@ -136,6 +140,8 @@ def published_of(data: Mapping, key: str) -> Published:
         gains={name: by_metric(figures) for name, figures in gains.get("figures", {}).items()},
         best=gains.get("best", ""),
         preference=data.get("preference", {}),
+        majority=data.get("majority", {}),
+        ratings=data.get("ratings", {}),
         selections={
             name: _selection(given, f"{key}.yaml: {name}") for name, given in data.get("selections", {}).items()
         },

@@ -139,6 +139,24 @@ class SystemSection:
 
 
 @dataclass(frozen=True)
+class StudySection:
+    """What the report shows of an evaluated viewing test.
+
+    Parameters
+    ----------
+    title : which says so where the answers are simulated
+    page : path of the page of its evaluation, relative to the report
+    tables : the main one first
+    figures : pictures
+    """
+
+    title: str
+    page: str
+    tables: tuple[ShownTable, ...]
+    figures: tuple[Picture, ...]
+
+
+@dataclass(frozen=True)
 class ReportContent:
     """The content of the report of a corpus; sections of empty fields are left out or say that they are empty.
 
@@ -151,6 +169,7 @@ class ReportContent:
     bands : the figure of all systems
     short : the short table as HTML; empty for none
     tables : comparisons across systems
+    studies : one section per evaluated viewing test
     consent : whose face the corpus shows and by what permission, from its settings; if empty, the report warns
     utterances : name of a split -> number of accepted utterances
     test : test utterances with their files
@@ -170,6 +189,7 @@ class ReportContent:
     bands: tuple[Band, ...] = ()
     short: str = ""
     tables: tuple[ShownTable, ...] = ()
+    studies: tuple[StudySection, ...] = ()
     consent: str = ""
     utterances: Mapping[str, int] = field(default_factory=dict)
     test: tuple[UtteranceFiles, ...] = ()

@@ -42,9 +42,6 @@ def _files(settings: Mapping) -> Iterator[tuple[str, str]]:
         yield "speak.file", settings["speak"]["file"]
     if settings["landmarks"]["folder"]:
         yield "landmarks.folder", settings["landmarks"]["folder"]
-    for name, system in settings["systems"].items():
-        if system["preference"]["answers"]:
-            yield f"systems.{name}.preference.answers", system["preference"]["answers"]
 
 
 def _impossible(where: str, path: str, most: int) -> list[str]:

@@ -15,8 +15,10 @@ from visualspeech.planning.alignment import corpus_alignment
 from visualspeech.planning.blocks import speaking_mistakes
 from visualspeech.planning.codings import coding_schema, complete_coding, kind_mistakes, no_picture, with_needs
 from visualspeech.planning.corpora import CorpusPlan, plan_corpus
+from visualspeech.planning.evaluations import EvaluatedStudy, evaluated_studies
 from visualspeech.planning.misplaced import misplaced, override_mistakes
 from visualspeech.planning.paths import path_mistakes
+from visualspeech.planning.studies import complete_study, read_studies
 from visualspeech.planning.systems import (
     absolute_root,
     by_name,
@@ -32,11 +34,11 @@ from visualspeech.settings import plain_data
 from visualspeech.speech.alignment_settings import AlignmentSettings
 
 #: Folders beside the systems' in a corpus's results; no system may have such a name.
-RESERVED = ("alignment", "audio", "benchmarks", "check", "codings", "corpus", "heads", "landmarks", "logs", "motion",
-            "pose", "recordings", "tables", "truth")  # fmt: skip
+RESERVED = ("alignment", "audio", "benchmarks", "check", "codings", "corpus", "evaluations", "heads", "landmarks",
+            "logs", "motion", "pose", "recordings", "studies", "tables", "truth")  # fmt: skip
 #: Keys that name files; what these say is checked with the files' own schemas.
-SELECTING = ("corpora", "systems", "override")
-KINDS = {"corpora": "corpus", "codings": "coding", "systems": "system"}
+SELECTING = ("corpora", "systems", "studies", "override")
+KINDS = {"corpora": "corpus", "codings": "coding", "systems": "system", "studies": "study"}
 
 
 def resolve(config: Mapping, folder: Path) -> dict:
@@ -44,7 +46,7 @@ def resolve(config: Mapping, folder: Path) -> dict:
 
     Returns
     -------
-    The run's settings with all defaults; ``corpora``, ``systems`` and ``codings`` are mappings by name.
+    The run's settings with all defaults; ``corpora``, ``systems``, ``codings`` and ``studies`` are mappings by name.
 
     Raises
     ------
@@ -54,7 +56,7 @@ def resolve(config: Mapping, folder: Path) -> dict:
     """
     schemas = {
         name: load_schema(folder.parent / "workflow" / "schemas" / f"{name}.schema.yaml")
-        for name in ("run", "system", "coding", "corpus")
+        for name in ("run", *KINDS.values())
     }
     config = plain_data(config)
     elsewhere, override = misplaced(config, schemas, folder), config.get("override")
@@ -68,10 +70,10 @@ def resolve(config: Mapping, folder: Path) -> dict:
     if mistakes(known, _part(schemas["run"], SELECTING)):
         raise SettingError("\n".join(found))
     try:
-        systems, codings, corpora = _read(config, folder)
+        systems, codings, corpora, studies = _read(config, folder)
     except SettingError as error:
         raise SettingError("\n".join([*found, str(error)])) from error
-    read = plain_data({"corpora": corpora, "codings": codings, "systems": systems})
+    read = plain_data({"corpora": corpora, "codings": codings, "systems": systems, "studies": studies})
     for key, entries in read.items():
         for name, entry in entries.items():
             schema = schemas[KINDS[key]]
@@ -103,10 +105,14 @@ def resolve(config: Mapping, folder: Path) -> dict:
         own = {name: codings[system["coding"]] for name, system in systems.items()}
         collect.found += [said for name, system in systems.items() for said in kind_mistakes(system, own[name])]
         collect.found += _speak_mistakes(settings["speak"], systems, own)
+        studies = {
+            name: collect(complete_study, fill_defaults(one, schemas["study"], f"studies.{name}"), systems, codings)
+            for name, one in studies.items()
+        }
     if collect.found:
         raise SettingError("\n".join(collect.found))
     systems = {name: with_needs(system, own[name]) for name, system in systems.items()}
-    complete = {**settings, "corpora": corpora, "systems": systems, "codings": codings}
+    complete = {**settings, "corpora": corpora, "systems": systems, "codings": codings, "studies": studies}
     if found := path_mistakes(complete):
         raise SettingError("\n".join(found))
     return complete
@@ -134,15 +140,16 @@ def _part(schema: Mapping, keys: Collection[str]) -> dict:
     }
 
 
-def _read(config: Mapping, folder: Path) -> tuple[dict, dict, dict]:
-    """Systems, codings and corpora that a run names, each by name; only what it takes to read them is checked."""
+def _read(config: Mapping, folder: Path) -> tuple[dict, dict, dict, dict]:
+    """Systems, codings, corpora and studies of a run, each by name; only what it takes to read them is checked."""
     override = config.get("override", {})
     systems, codings = read_systems(config["systems"], override.get("codings", {}), override.get("systems", {}), folder)
     corpora = [
         (where, absolute_root(_unwrapped(read_named(one, where, folder / "corpora")), one, folder / "corpora"))
         for where, one in listed(config["corpora"], "corpora")
     ]
-    return systems, codings, by_name(corpora, "corpora")
+    studies = read_studies(config.get("studies", []), override.get("studies", {}), folder)
+    return systems, codings, by_name(corpora, "corpora"), studies
 
 
 def _unwrapped(corpus: dict) -> dict:
@@ -194,12 +201,14 @@ class Plan:
     corpora : name -> plan of the corpus
     pairs : (corpus, system) that are run
     skipped : a sentence for each pair that is not
+    evaluated : answered viewing tests whose evaluation the report shows
     """
 
     settings: Mapping
     corpora: Mapping[str, CorpusPlan]
     pairs: tuple[tuple[str, str], ...]
     skipped: tuple[str, ...]
+    evaluated: tuple[EvaluatedStudy, ...] = ()
 
     def check_alignments(self) -> None:
         """Read the dictionaries of the corpora and some of their files of alignments.
@@ -220,6 +229,16 @@ class Plan:
         """Names of the visual codings that these systems predict."""
         return list(dict.fromkeys(self.settings["systems"][name]["coding"] for name in self.systems(corpus)))
 
+    @property
+    def studies(self) -> tuple[tuple[str, str], ...]:
+        """(corpus, study) of every study that can be made: where all systems that it compares run."""
+        return tuple(
+            (corpus, name)
+            for corpus in self.corpora
+            for name, study in self.settings["studies"].items()
+            if not study["problem"] and {one["system"] for one in study["conditions"]} <= set(self.systems(corpus))
+        )
+
 
 def plan_run(config: Mapping, folder: Path) -> Plan:
     """Settings, corpora, and which system runs on which corpus. Writes nothing.
@@ -227,7 +246,8 @@ def plan_run(config: Mapping, folder: Path) -> Plan:
     Raises
     ------
     SettingError, CorpusError
-        As :func:`resolve` and :func:`plan_corpus`; or no selected system can run on a selected corpus.
+        As :func:`resolve`, :func:`plan_corpus` and :func:`evaluated_studies`; or no selected system can run on a
+        selected corpus.
     """
     settings = resolve(config, folder)
     corpora = {
@@ -249,4 +269,5 @@ def plan_run(config: Mapping, folder: Path) -> Plan:
         )
     used = {corpus for corpus, _ in pairs}
     corpora = {name: corpus for name, corpus in corpora.items() if name in used}
-    return Plan(settings, corpora, tuple(pairs), tuple(skipped))
+    evaluated = evaluated_studies(settings["study_evaluation"], corpora)
+    return Plan(settings, corpora, tuple(pairs), tuple(skipped), evaluated)

@@ -66,7 +66,7 @@ def read_named(given, where: str, folder: Path) -> dict:
     if isinstance(given, Mapping):
         check(given, {"type": "object", "required": ["name"], "properties": {"name": NAME}}, where)
         return dict(given)
-    known = sorted(_names(folder))
+    known = sorted(names_in(folder))
     if given in known:
         path = folder / f"{given}.yaml"
     elif isinstance(given, str) and given.endswith((".yaml", ".yml")):
@@ -142,8 +142,8 @@ def read_systems(given, codings_override: Mapping, systems_override: Mapping, fo
                 "of them another name."
             )
         systems[name] = {**system, "coding": coding["name"]}
-    _check_override(systems_override, "systems", {*systems, *_names(folder / "systems")})
-    _check_override(codings_override, "codings", {*codings, *_names(folder / "codings")})
+    check_override(systems_override, "systems", {*systems, *names_in(folder / "systems")})
+    check_override(codings_override, "codings", {*codings, *names_in(folder / "codings")})
     return systems, codings
 
 
@@ -172,15 +172,17 @@ def by_name(entries: Sequence[tuple[str, dict]], key: str) -> dict[str, dict]:
     return found
 
 
-def _names(folder: Path) -> set[str]:
+def names_in(folder: Path) -> set[str]:
     return {path.stem for path in folder.glob("*.yaml")}
 
 
-def _check_override(override: Mapping, key: str, known: set[str]) -> None:
+def check_override(override: Mapping, key: str, known: set[str]) -> None:
+    """Check changes of systems, codings or studies: each names one, and leaves its name and what it extends."""
+    one = "study" if key == "studies" else key[:-1]
     found = [unknown(f"override.{key}", name, sorted(known)) for name in override if name not in known]
     for name, changes in override.items():
         found += [
-            f"`override.{key}.{name}.{fixed}` cannot be changed for one run; write it in the file of a {key[:-1]} of "
+            f"`override.{key}.{name}.{fixed}` cannot be changed for one run; write it in the file of a {one} of "
             "its own."
             for fixed in ("name", "extends")
             if fixed in changes
@@ -236,8 +238,8 @@ def complete_system(system: Mapping, seed: int) -> dict:
 
     Returns
     -------
-    The settings with ``rows`` (plain data of :class:`ModelRow`) in place of ``models``; ``tables`` and ``preference``
-    name rows in place of entries.
+    The settings with ``rows`` (plain data of :class:`ModelRow`) in place of ``models``; ``tables`` name rows, not
+    entries.
 
     Raises
     ------
@@ -274,7 +276,6 @@ def complete_system(system: Mapping, seed: int) -> dict:
         "sound_model": next(iter(rows_of_entries(filter(None, [system["sound_model"]]), rows)), ""),
         "tables": resolved_tables(system["tables"], rows),
         "own_metrics": own_metrics(system["tables"]),
-        "preference": {**system["preference"], "models": _pair(system, shown, rows)},
     }
 
 
@@ -321,10 +322,9 @@ def _asks(row: ModelRow, blocks: Mapping) -> set[str]:
 
 
 def _naming_mistakes(system: Mapping, rows: Sequence[ModelRow], where: str) -> list[str]:
-    """What is wrong with the names of models in videos, preference and tables."""
+    """What is wrong with the names of models in videos, figures and tables."""
     trained = [row.name for row in rows if row.role != "floor"]
     known = list(dict.fromkeys([*system["models"], *(row.name for row in rows)]))
-    pair = system["preference"]["models"]
     found = []
     if system["published"] and system["published"] not in published_names():
         found.append(unknown(f"{where}.published", system["published"], published_names()))
@@ -335,31 +335,11 @@ def _naming_mistakes(system: Mapping, rows: Sequence[ModelRow], where: str) -> l
     if shown and shown not in trained:
         found.append(unknown(f"{where}.videos.model", shown, trained, "model of the system"))
     found += [
-        unknown(f"{where}.preference.models.{number}", name, trained, "model of the system")
-        for number, name in enumerate(pair)
-        if name not in trained
-    ]
-    found += [
         unknown(f"{where}.trajectories.models.{number}", name, trained, "model of the system")
         for number, name in enumerate(system["trajectories"]["models"])
         if name not in trained
     ]
-    if len(pair) == 1:
-        found.append(f"`{where}.preference.models: [{pair[0]}]` must name two models, or none to have them chosen.")
     return found
-
-
-def _pair(system: Mapping, shown: str, rows: Sequence[ModelRow]) -> list[str]:
-    """The two models of a preference test: as given, or the shown one and the last reference or baseline."""
-    names = system["preference"]["models"]
-    if names:
-        return list(names)
-    family = next(row.family for row in rows if row.name == shown)
-    others = [row.name for row in rows if row.role == "model" and row.family != family]
-    references = rows_of_entries(system["tables"]["gains"]["references"], rows)
-    others = [name for name in references if name in others] or others
-    others = others or [row.name for row in rows if row.role == "baseline"]
-    return [shown, next((name for name in reversed(others) if name != shown), "training_mean")]
 
 
 def missing_needs(system: Mapping, gives: frozenset[str]) -> list[str]:

@@ -13,8 +13,8 @@ REGIONAL_KIND, OF_ANY = "markers", ("gv_ratio",)
 #: Keys of tables and selections that name measures.
 _METRICS = ("metrics", "intervals")
 #: Names of tables that a selection cannot have.
-TABLES = ("objective", "topologies", "comparisons", "articulation", "resting", "gains", "ablation", "preference",
-          "regions", "emotions")  # fmt: skip
+TABLES = ("objective", "topologies", "comparisons", "articulation", "resting", "gains", "ablation", "regions",
+          "emotions")  # fmt: skip
 
 
 def table_mistakes(tables: Mapping, known: Sequence[str], where: str) -> list[str]:

@@ -1,19 +1,7 @@
-# What videos, preference tests and reports show.
+# What videos and reports show.
 def is_pictured(system):
     """Whether a system predicts a picture of the face, and not markers alone."""
     return system in systems_of_kind("aam")
-
-
-def for_pictured(pattern):
-    """Input function: as :func:`for_systems`, for the systems that predict a picture."""
-
-    def paths(wildcards):
-        found = [path for one in PLAN.pairs if is_pictured(one[1]) for path in filled(pattern, OfSystem(*one))]
-        if not found:
-            refuse("the preference test shows talking heads, and every selected system predicts markers alone.")
-        return found
-
-    return paths
 
 
 def shown_model(file):
@@ -30,18 +18,6 @@ def of_head(wildcards):
 def names_of(wildcards):
     """What a video says of the face that it shows."""
     return {"corpus": wildcards.corpus, "consent": PLAN.corpora[wildcards.corpus].consent}
-
-
-def predictions_of(number):
-    """Input function: predictions of the first or the second model of a system's preference test."""
-    return lambda wildcards: filled(
-        "<model>/predictions.h5", wildcards, model=system_of(wildcards)["preference"]["models"][number]
-    )[0]
-
-
-def of_preference(system):
-    """Names of the two models of a system's preference test."""
-    return system["preference"]["models"]
 
 
 def compared_models(wildcards):
@@ -62,11 +38,6 @@ def figures_of(wildcards):
         caption = f"Both measures by region of the face and emotion ({compared}), with their intervals"
         found += [[path, caption] for path in filled("<system>/figures/emotions.png", wildcards)]
     return found
-
-
-def answers_of(wildcards):
-    """The completed answer sheets of a preference test, or the blank one."""
-    return system_of(wildcards)["preference"]["answers"] or filled("<system>/preference/answers.tsv", wildcards)[0]
 
 
 def stages_of_coding(coding):

@@ -8,6 +8,7 @@ rule write_report:
         faces=recorded_faces,
         across=multiext("<corpus>/tables/systems", *FORMS),
         files=reported_files,
+        evaluations=evaluations_of,
         benchmarks=benchmarks_of,
     output:
         report(

@@ -6,6 +6,7 @@ from visualspeech.evaluation import gathering
 from visualspeech.evaluation.own_metrics import register
 from visualspeech.evaluation.report import ReportContent, render_report
 from visualspeech.evaluation.report_videos import strip
+from visualspeech.evaluation.study_section import study_section
 from visualspeech.jobs import job
 from visualspeech.provenance import split_hash
 from visualspeech.storage.files import write_text
@@ -26,6 +27,7 @@ with job(snakemake.log[0]):
         strip=strip([system.videos for system in systems], page),
         **gathering.overview(overviews, source.across[0]),
         tables=gathering.shown_tables([source.across], page),
+        studies=tuple(study_section(folder, page) for folder in source.get("evaluations", [])),
         consent=params.consent,
         utterances=gathering.split_sizes(utterances),
         test=gathering.test_utterances(utterances, source.exports[0], systems, page),

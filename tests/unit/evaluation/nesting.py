@@ -9,7 +9,7 @@ class _Nesting(html.parser.HTMLParser):
         self.open: list[str] = []
 
     def handle_starttag(self, tag, attributes):
-        if tag not in ("meta", "wbr"):
+        if tag not in ("img", "meta", "wbr"):
             self.open.append(tag)
 
     def handle_endtag(self, tag):

@@ -22,6 +22,7 @@ from visualspeech.evaluation.report import (
     Picture,
     ReportContent,
     ShownTable,
+    StudySection,
     SystemSection,
     UtteranceFiles,
     Video,
@@ -220,6 +221,18 @@ def test_many_test_utterances_are_cut_and_counted():
     assert "3 further utterances" in render_report(content(test=test))
 
 
+def test_viewing_tests_have_a_section_of_their_own():
+    picture = Picture(plots.mode_pictures(np.zeros((1, 1, 4, 4, 3), np.uint8)), "<b>")
+    table = ShownTable("<p>table</p>", (FileLink("TSV", "evaluations/x/ratings.tsv"),))
+    study = StudySection("Viewing test <b>", "evaluations/<b>/evaluation.html", (table,), (picture,))
+    text = render_report(content(studies=(study,)))
+    section = text[text.index('id="study-1"') :].split("</details>")[0]
+    assert "Viewing test &lt;b&gt;" in section and "<p>table</p>" in section and 'alt="&lt;b&gt;"' in section
+    assert 'href="evaluations/%3Cb%3E/evaluation.html"' in section and "evaluations/x/ratings.tsv" in section
+    assert 'id="study-1"' not in render_report(content())
+    assert Page(text).open == []
+
+
 def test_commit_date_and_command_are_named_where_known():
     text = render_report(content(commit="abc1234", date="2024-05-01", command="snakemake all"))
     for name, value in (("commit", "abc1234"), ("date", "2024-05-01"), ("command", "snakemake all")):
@@ -298,7 +311,7 @@ def test_evaluation_does_not_load_torch():
     import sys
 
     code = (
-        "import sys; from visualspeech.evaluation import across_systems, gains, gathering, plots, preference, report;"
+        "import sys; from visualspeech.evaluation import across_systems, gains, gathering, plots, report;"
         "from visualspeech.evaluation import tables, topologies;"
         "sys.exit('torch' in sys.modules)"
     )

@@ -80,7 +80,7 @@ def test_a_system_in_one_mapping():
         "parts": {"kind": "label_parts", "settings": {"parts": ["stress"]}},
     }
     assert [row["name"] for row in found["rows"]] == ["F-8", "training_mean", "reconstruction"]
-    assert found["videos"]["model"] == "F-8" and found["preference"]["models"] == ["F-8", "training_mean"]
+    assert found["videos"]["model"] == "F-8"
     assert "models" not in found and found["seeds"] == [1]
     # Labels are computed from the text, and stress from ARPAbet, whatever its file says.
     assert found["needs"] == ["video", "arpabet", "text"]
@@ -93,7 +93,6 @@ def test_a_system_of_baselines_shows_one():
     settings = resolved({"systems": [system(models=models, videos={"model": ""})]})
     mine = settings["systems"]["mine"]
     assert mine["videos"]["model"] == "training_mean" and mine["tables"]["topologies"] == []
-    assert mine["preference"]["models"] == ["training_mean", "triphone_state_mean"]
 
 
 def test_the_model_for_recordings_is_an_entry_or_a_row():
@@ -245,8 +244,6 @@ MISTAKES = [
     (models(hmm_mge={"mge_epoch": 3}), r"unknown setting `systems.fan2015.models.hmm_mge.mge_epoch`. Did you mean"),
     (changed(videos={"model": "BBB-512"}), r"`systems.fan2015.videos.model: BBB-512` is no model .*Did you mean"),
     (changed(videos={"model": "reconstruction"}), "`systems.fan2015.videos.model: reconstruction` is no model"),
-    (changed(preference={"models": ["FBB-128"]}), r"`systems.fan2015.preference.models: \[FBB-128\]` must name two"),
-    (changed(preference={"models": ["FBB-128", "FBB"]}), "`systems.fan2015.preference.models.1: FBB` is no model"),
     (changed(tables={"topologies": ["net"]}), r"`systems.fan2015.tables.topologies.0: net` is .*Did you mean `nets`"),
     (changed(tables={"gains": {"references": ["hmm"]}}), "`systems.fan2015.tables.gains.references.0: hmm` is no entr"),
     (models(mix={"family": "ensemble", "members": ["net"]}),
@@ -348,4 +345,3 @@ def test_rows_that_read_the_recorded_face_are_told_apart():
         "dv_oracle", "phone_dv_oracle", *(row["name"] for row in plain["rows"] if row["group"] == "grid")
     }  # fmt: skip
     assert roles["phone_dv_predicted"] == roles["phone"] == roles["hsmm"] == "model"
-    assert plain["preference"]["models"] == ["phone", "hsmm"]

@@ -111,22 +111,22 @@ def write_clip(
     shown, made = true.at(rate, frames), predicted.at(rate, frames)
     caption = ", ".join(filter(None, [utterance.id, utterance.speaker, utterance.emotion]))
     panels = [
-        Panel("recorded", _drawn(shown, (shown, made), names, TRUE), synthetic=False),
-        Panel("predicted (grey: recorded)", _drawn(made, (shown, made), names, PREDICTED, shown)),
+        Panel("recorded", drawn(shown, (shown, made), names, TRUE), synthetic=False),
+        Panel("predicted (grey: recorded)", drawn(made, (shown, made), names, PREDICTED, shown)),
     ]
     pictures = _captioned(side_by_side(panels, label), caption)
     write_video(path, pictures, rate, samples, sample_rate, metadata)
 
 
-def _drawn(points: np.ndarray, both: tuple, names: Sequence[str], colour, beneath=None) -> Iterator[np.ndarray]:
-    """Frames of one panel; ``both`` streams decide the view."""
+def drawn(points: np.ndarray, streams: tuple, names: Sequence[str], colour, beneath=None) -> Iterator[np.ndarray]:
+    """Frames of one panel; the other streams decide the view, the first of them where the face lies."""
     if points.shape[2] == 1:
-        joined = np.concatenate(both)
+        joined = np.concatenate(streams)
         span = float(np.percentile(joined, 0.1)), float(np.percentile(joined, 99.9))
         return drawn_bars(points[..., 0], names, span, colour, None if beneath is None else beneath[..., 0])
     layout = layout_of(names, points.shape[2])
-    frame = frame_of(layout, names, both[0].mean(axis=0)) if layout else None
-    return drawn_points(points, view_of(both, frame), rows_of_lines(layout, frame), colour, beneath)
+    frame = frame_of(layout, names, streams[0].mean(axis=0)) if layout else None
+    return drawn_points(points, view_of(streams, frame), rows_of_lines(layout, frame), colour, beneath)
 
 
 def _captioned(frames: Iterator[np.ndarray], caption: str) -> Iterator[np.ndarray]:
