@@ -24,8 +24,8 @@ RULES = "".join(path.read_text() for path in sorted((REPOSITORY / "workflow" / "
 #: Rules whose jobs are worth a job of Slurm each, and those that run beside Snakemake.
 ALONE = {
     "accept_utterances", "align_speech", "evaluate_study", "export_alignment", "fit_aam", "fit_faces", "fit_head",
-    "fit_markers", "fit_reference", "measure_lips", "read_motion", "render_markers", "render_videos", "sample_textures",
-    "track_landmarks", "train_model", "try_viseme_number", "write_report",
+    "fit_markers", "fit_reference", "make_study", "measure_lips", "read_motion", "render_markers", "render_videos",
+    "sample_textures", "track_landmarks", "train_model", "try_viseme_number", "write_report",
 }  # fmt: skip
 LOCAL = {"accept_faces", "gather_findings", "list_phones", "write_split"}
 

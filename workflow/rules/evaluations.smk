@@ -13,9 +13,9 @@ rule evaluate_study:
         "<corpus>/logs/evaluate_study/{evaluated}.log",
     threads: 1
     resources:
-        mem_mb=500,
-        runtime=minutes(5),
-        disk_mb=50,
+        mem_mb=memory(250),
+        runtime=minutes(1, least=10),
+        disk_mb=disk(20),
     params:
         folder=evaluation_folder,
         simulated=SETTINGS["study_evaluation"]["simulated"],

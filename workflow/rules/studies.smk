@@ -22,8 +22,9 @@ rule make_study:
         "<study>/benchmarks/make_study.tsv"
     threads: 1
     resources:
-        mem_mb=1500,
-        disk_mb=2000,
+        mem_mb=memory(300),
+        runtime=minutes(2, least=60),
+        disk_mb=disk(2000),
     params:
         study=study_of,
         codings=codings_of_study,
