@@ -5,6 +5,7 @@ import sqlite3
 
 import pytest
 
+from tests.described_files import undescribed
 from tests.workflow.running import overlay, snakemake
 from visualspeech.study.layouts import TABLES
 from visualspeech.study.records import ANSWERS, MEDIA, read_key, read_study
@@ -19,6 +20,7 @@ def test_a_study_is_made_and_left_alone_once_people_have_answered_it(tiny_run, t
     study, key = read_study(folder), read_key(folder)
     assert {path.name for path in (folder / MEDIA).iterdir()} == {*key.stimuli, study.sound_check.stimulus}
     assert [one.model for one in key.conditions] == ["FB-16", "hmm_mge"] and key.corpus == "tiny"
+    assert [line for line in undescribed(folder.parents[1]) if line.startswith("studies")] == []
     assert "sadoughi2017 is skipped: it compares models of sadoughi2017, which is not selected" in done.stdout
     more = overlay(tmp_path, {"override": {"studies": {"fan2015": {"attention": 1}}}})
     assert "rule make_study" in snakemake(tiny_run, "--dry-run", "study", configfiles=more).stdout
