@@ -170,7 +170,8 @@ class _Stage:
         self.about = json.loads((source / DESCRIPTION).read_text())
         self.models = {name: source / f"model_{name}.safetensors" for name in MODELS}
         self.altered: set[str] = set()  # files in the folder that are not as they were
-        self.sound = {name: (source / name).read_bytes() for name in (*FILES.values(), DESCRIPTION)}
+        there = [name for name in (*FILES.values(), DESCRIPTION) if (source / name).exists()]
+        self.sound = {name: (source / name).read_bytes() for name in there}
         names = ("aam", "reference", "head", "rest")
         self.paths = {**self.models, **{name: source / FILES[name] for name in names}}
         self.content = {name: read_model(path) for name, path in self.paths.items()}

@@ -29,8 +29,8 @@ from visualspeech.face.screening import ScreeningSettings as ScreeningSettings
 from visualspeech.face.tracker import LandmarkSettings as LandmarkSettings
 from visualspeech.models.registry import load_model as load_model
 from visualspeech.speech.alignment import Alignment as Alignment
+from visualspeech.speech.alignment_settings import AlignmentSettings as AlignmentSettings
 from visualspeech.speech.export import write_textgrid as write_textgrid
-from visualspeech.speech.forced_alignment import AlignmentSettings as AlignmentSettings
 from visualspeech.speech.lexicon import Lexicon as Lexicon
 
 __version__: str

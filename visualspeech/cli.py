@@ -187,10 +187,12 @@ def _speak(given: argparse.Namespace) -> None:
             if text is None:
                 log.info("the lips follow recognised phones; for better ones, give what is said with --text")
             listens = "audio" in needs_of_model(bundle.trained)
-            spoken = speak_recording(given.audio, text, rate, shares=bundle.shares, with_sound=listens)
+            spoken = speak_recording(
+                given.audio, text, rate, bundle.lexicon(), shares=bundle.shares, with_sound=listens
+            )
         voice = f"recording {given.audio.name}, as given"
     else:
-        spoken = speak_text(text, voice_settings, bundle.shares)
+        spoken = speak_text(text, voice_settings, bundle.shares, bundle.pronunciation)
         voice = f"synthetic (eSpeak NG, {given.voice})"
     settings = SpeakSettings(label=not given.no_label, walk=WalkSettings(seed=given.seed))
     timings = None if given.timings is None else Timings()

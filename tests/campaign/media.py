@@ -11,6 +11,7 @@ from tests.campaign.clips import clip
 from tests.campaign.results import Result, refused, used
 from tests.campaign.scripts import run_script
 from visualspeech.corpora.adapters import list_utterances
+from visualspeech.corpora.aligning import AlignmentSources
 from visualspeech.corpora.check_settings import CheckSettings
 from visualspeech.corpora.demo.recording import record
 from visualspeech.corpora.findings import REJECT, Finding, read_findings
@@ -89,9 +90,9 @@ def process(root: Path, folder: Path) -> Stages:
     write_utterances(files["utterances.tsv"], (vars(one) for one in utterances))
     source = {"utterances": files["utterances.tsv"], "audio": files["audio.h5"]}
     checked = {"findings": found["check"], "digests": str(folder / "digests.tsv"), "audio": files["audio.h5"]}
-    told = {"settings": {}, "text": True}
+    told = {"settings": {}, "text": True, "sources": AlignmentSources().plain()}
     jobs = [
-        ("check_recordings", source, checked, {"settings": vars(CheckSettings()), "text": True}),
+        ("check_recordings", source, checked, {"settings": vars(CheckSettings()), "text": True, "dictionary": {}}),
         ("align_speech", source, {"table": files["alignment.tsv"], "findings": found["align"]}, told),
         (
             "track_landmarks",

@@ -2,12 +2,13 @@
 
 The parts are ``model.safetensors``, ``aam.safetensors``, ``reference.safetensors``, ``head.safetensors``,
 ``rest.safetensors`` (the face at rest), ``background.h5`` and, where the system has one, ``sound.safetensors``: a model
-that reads sound alone, for recordings without a text. ``speaker.json`` holds the digest of each part, the phones, the
+that reads sound alone, for recordings without a text; and ``dictionary.txt``, where the run has a pronunciation
+dictionary of its own. ``speaker.json`` holds the digest of each part, the phones, the
 average shares of their states, and whose face it is. The folder can be moved and shared.
 """
 
 import json
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
@@ -17,7 +18,7 @@ from visualspeech.animation.background import Background
 from visualspeech.animation.descriptions import read_description
 from visualspeech.animation.showable import BoundedModel, check_showable
 from visualspeech.animation.video import Speaker
-from visualspeech.errors import DamagedFile, DataError, StorageError
+from visualspeech.errors import DamagedFile, DataError, SettingError, StorageError
 from visualspeech.face.aam.model import Aam
 from visualspeech.face.aam.reference import Reference
 from visualspeech.face.head import HeadModel
@@ -25,6 +26,8 @@ from visualspeech.models.inventory import needs_of_model, phones_of
 from visualspeech.models.registry import load_model
 from visualspeech.models.task import Model
 from visualspeech.provenance import file_digest
+from visualspeech.speech.dictionary import Dictionary, read_dictionary
+from visualspeech.speech.lexicon import Lexicon
 from visualspeech.storage.files import write_text
 from visualspeech.storage.layouts import PHONES, RATE, TEXT, Array, FileLayout
 from visualspeech.storage.models import read_model_of, write_model
@@ -34,8 +37,11 @@ VERSION = 4
 REMEDY = "Build the speaker again, or ask for the folder again where it was received."
 DESCRIPTION = "speaker.json"
 PARTS = ("model", "aam", "reference", "head", "rest", "background")
-SOUND = "sound"  # the part that a speaker need not have
-FILES = {name: f"{name}.safetensors" for name in (*PARTS, SOUND)} | {"background": "background.h5"}
+SOUND, DICTIONARY = "sound", "dictionary"  # the parts that a speaker need not have
+FILES = {name: f"{name}.safetensors" for name in (*PARTS, SOUND)} | {
+    "background": "background.h5",
+    DICTIONARY: "dictionary.txt",
+}
 
 
 @dataclass(frozen=True)
@@ -50,6 +56,7 @@ class SpeakerBundle:
     rest : (N,) appearance of the face at rest
     shares : phone -> average shares of its duration that its three states take
     sound : model that reads sound alone and speaks for recordings without a text; None where there is none
+    dictionary : pronunciations of one's own, which come before those of the voice and the recogniser; None for none
     corpus, model, sound_model, consent : for the metadata of videos
     digest : of the whole bundle
     """
@@ -60,6 +67,7 @@ class SpeakerBundle:
     rest: np.ndarray
     shares: Mapping[str, tuple[float, ...]] = field(default_factory=dict)
     sound: Model | None = None
+    dictionary: Dictionary | None = None
     corpus: str = ""
     model: str = ""
     sound_model: str = ""
@@ -70,6 +78,15 @@ class SpeakerBundle:
     def reads_sound_alone(self) -> bool:
         """Whether its model itself needs no text: it can show nothing but sound."""
         return needs_of_model(self.trained) == {"audio"}
+
+    @property
+    def pronunciation(self) -> Callable[[str], Sequence[str]] | None:
+        """Function of a word, for :func:`visualspeech.speech.spoken.speak_text`; None without a dictionary."""
+        return self.dictionary and self.dictionary.spoken
+
+    def lexicon(self) -> Lexicon:
+        """The pronunciations with which a recording is aligned."""
+        return Lexicon(own=self.dictionary and self.dictionary.pronunciations())
 
     def for_recordings(self) -> "SpeakerBundle":
         """The speaker as it speaks for a recording without a text: with its second model, where it has one."""
@@ -102,6 +119,7 @@ class SpeakerBundle:
             sound = load_model(folder / FILES[SOUND]) if SOUND in about["parts"] else None
             speaker = Speaker.load(*(folder / FILES[name] for name in ("head", "aam", "reference")))
             rest = _rest(folder / FILES["rest"])
+            own = _dictionary(folder / FILES[DICTIONARY]) if DICTIONARY in about["parts"] else None
             background = Background.load(folder / FILES["background"])
         except DamagedFile as error:
             raise DamagedFile(error.path, error.reason, REMEDY) from error
@@ -119,6 +137,7 @@ class SpeakerBundle:
         check_showable(folder, speaker, background, rest)
         return cls(
             trained=BoundedModel(trained, speaker, str(folder / FILES["model"])),
+            dictionary=own,
             sound=sound and BoundedModel(sound, speaker, str(folder / FILES[SOUND])),
             speaker=speaker,
             background=background,
@@ -212,7 +231,11 @@ def describe_bundle(
         Aam.load(folder / FILES["aam"]),
         Reference.load(folder / FILES["reference"]),
     )
-    given = [*PARTS, *([SOUND] if sound_model else [])]
+    given = [
+        *PARTS,
+        *([SOUND] if sound_model else []),
+        *([DICTIONARY] if (folder / FILES[DICTIONARY]).exists() else []),
+    ]
     parts = {name: file_digest(folder / FILES[name]) for name in given}
     check_together(trained, speaker, parts["aam"], phones)
     if sound_model:
@@ -235,6 +258,13 @@ def describe_bundle(
 def _rest(path: Path) -> np.ndarray:
     layout = FileLayout({"appearance": Array("f", ("N",), -1e9, 1e9)})
     return read_model_of(path, "face at rest", ["rest"], layout)[0]["appearance"]
+
+
+def _dictionary(path: Path) -> Dictionary:
+    try:
+        return read_dictionary(path)
+    except SettingError as error:
+        raise DamagedFile(path, f"it is no pronunciation dictionary ({error})", REMEDY) from error
 
 
 def parts_of(folder: str | Path) -> dict[str, str]:
@@ -265,7 +295,7 @@ _PROPERTIES = {
         "type": "object",
         "required": list(PARTS),
         "additionalProperties": False,
-        "properties": dict.fromkeys((*PARTS, SOUND), TEXT),
+        "properties": dict.fromkeys((*PARTS, SOUND, DICTIONARY), TEXT),
     },
 }
 _SCHEMA = {

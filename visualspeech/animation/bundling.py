@@ -2,10 +2,11 @@
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
+from types import MappingProxyType
 from typing import NamedTuple
 
 from visualspeech.animation.background import choose_recordings, write_background
-from visualspeech.animation.bundle import FILES, describe_bundle
+from visualspeech.animation.bundle import DICTIONARY, FILES, describe_bundle
 from visualspeech.animation.video import Recording
 from visualspeech.corpora.findings import needed
 from visualspeech.corpora.records import Utterance
@@ -16,8 +17,10 @@ from visualspeech.jobs import log
 from visualspeech.media.reading import read_frames
 from visualspeech.models.rest import resting_face
 from visualspeech.speech.alignment import alignments_of
+from visualspeech.speech.dictionary import read_dictionary
+from visualspeech.speech.phone_sets import PhoneSet
 from visualspeech.speech.spoken import state_shares
-from visualspeech.storage.files import copy_file, replacing
+from visualspeech.storage.files import copy_file, replacing, write_text
 
 
 class RecordedFaces(NamedTuple):
@@ -51,6 +54,7 @@ def bundle_speaker(
     model: str,
     consent: str,
     sound_model: str = "",
+    dictionary: Mapping = MappingProxyType({}),
 ) -> None:
     """Write a speaker bundle.
 
@@ -68,6 +72,7 @@ def bundle_speaker(
     seconds : minimum duration of the background if ``background`` is empty
     corpus, model, consent : for the metadata of videos
     sound_model : name of the model in the part ``sound``; empty if there is none
+    dictionary : ``path`` and phone set (``phones``, plain data) of the run's pronunciation dictionary; empty for none
 
     Raises
     ------
@@ -87,6 +92,9 @@ def bundle_speaker(
         made.mkdir()
         for name, path in files.items():
             copy_file(path, made / FILES[name])
+        if dictionary:
+            own = read_dictionary(dictionary["path"], PhoneSet(**dictionary["phones"]))
+            write_text(made / FILES[DICTIONARY], own.text())
         write_background(made / FILES["background"], _clips(shown, faces))
         aligned = alignments_of(alignments, [one.id for one in training])
         arrays = faces.parameters

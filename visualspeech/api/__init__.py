@@ -13,7 +13,7 @@ PUBLIC = {
     # Speech
     "align": "visualspeech.api.speech",
     "Alignment": "visualspeech.speech.alignment",
-    "AlignmentSettings": "visualspeech.speech.forced_alignment",
+    "AlignmentSettings": "visualspeech.speech.alignment_settings",
     "Lexicon": "visualspeech.speech.lexicon",
     "write_textgrid": "visualspeech.speech.export",
     # Faces

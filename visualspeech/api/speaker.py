@@ -151,7 +151,7 @@ class Speaker:
         """
         check_pronounceable(text)
         settings = VoiceSettings(voice, speed, pitch)
-        spoken = speak_text(text, settings, self.bundle.shares)
+        spoken = speak_text(text, settings, self.bundle.shares, self.bundle.pronunciation)
         return self._said(self.bundle, spoken, f"synthetic (eSpeak NG, {voice})", seed, label)
 
     def say_recording(
@@ -178,7 +178,8 @@ class Speaker:
             spoken = speak_sound(recording, rate, text or "")
         else:
             listens = "audio" in needs_of_model(bundle.trained)
-            spoken = speak_recording(recording, text, rate, shares=bundle.shares, with_sound=listens)
+            lexicon = bundle.lexicon()
+            spoken = speak_recording(recording, text, rate, lexicon, shares=bundle.shares, with_sound=listens)
         with named(recording):
             return self._said(bundle, spoken, f"recording {Path(recording).name}, as given", seed, label)
 

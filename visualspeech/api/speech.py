@@ -9,7 +9,7 @@ import numpy as np
 from visualspeech.errors import RejectedUtterance
 from visualspeech.speech import forced_alignment
 from visualspeech.speech.alignment import Alignment
-from visualspeech.speech.forced_alignment import AlignmentSettings
+from visualspeech.speech.alignment_settings import AlignmentSettings
 from visualspeech.speech.lexicon import Lexicon
 
 

@@ -57,7 +57,7 @@ def check_recording(
     utterance : the recording and its transcript
     unknown_words : returns the words of a transcript that the pronunciation dictionary does not list
     settings : the limits
-    text : whether the corpus gives transcripts; an utterance without one is then rejected
+    text : whether transcripts are needed: an utterance without one is then rejected, and unknown words are reported
 
     Returns
     -------
@@ -93,7 +93,7 @@ def check_recording(
         elif len(sound) / RATE < settings.min_seconds:
             raise RejectedUtterance(f"only {len(sound) / RATE:.2f} s of sound", "Record again, or leave it out.")
         _check_sound(sound, sound_rate, settings, warn)
-        unknown = unknown_words(utterance.transcript)
+        unknown = unknown_words(utterance.transcript) if text else []
         if unknown:
             warn(
                 f"{UNLISTED}{', '.join(dict.fromkeys(unknown))}",

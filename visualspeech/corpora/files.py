@@ -9,6 +9,7 @@ from pathlib import Path
 from visualspeech.corpora.records import Utterance, displayable, legal_id
 from visualspeech.errors import CorpusError
 from visualspeech.provenance import digest, file_digest
+from visualspeech.storage.foreign import decoded, read_bytes
 
 VIDEOS = frozenset(
     ".3g2 .3gp .asf .avi .divx .dv .f4v .flv .gif .m2ts .m2v .m4v .mkv .mov .mp4 .mpe .mpeg .mpg .mts .mxf .ogm .ogv "
@@ -16,7 +17,6 @@ VIDEOS = frozenset(
 )
 #: Folders without a file that is looked for, in excess of twice the files found, after which a search is given up.
 MAX_FOLDERS = 20_000
-MAX_TEXT = 1_000_000  # bytes of a transcript; 18 hours of speech are about that
 #: File systems that the kernel makes up.
 _PSEUDO = frozenset(
     "autofs binfmt_misc bpf cgroup cgroup2 configfs debugfs devpts devtmpfs efivarfs fusectl hugetlbfs mqueue proc "
@@ -176,27 +176,6 @@ def recording_fields(path: Path, field: str = "media") -> dict[str, str]:
     }
 
 
-def read_bytes(path: str | Path, most: int = MAX_TEXT) -> bytes:
-    """The bytes of a file of text, at most ``most``.
-
-    Raises
-    ------
-    OSError
-        It cannot be read, is no regular file, or is too large for a text; ``strerror`` says which.
-    """
-    # Without waiting: a pipe may have nobody who writes to it.
-    descriptor = os.open(path, os.O_RDONLY | os.O_NONBLOCK | os.O_CLOEXEC)
-    try:
-        status = os.fstat(descriptor)
-        if not stat.S_ISREG(status.st_mode):
-            raise OSError(None, "it is a folder" if stat.S_ISDIR(status.st_mode) else "it is no regular file")
-        if status.st_size > most:
-            raise OSError(None, f"it is larger than {most:,} bytes")
-        return b"".join(iter(lambda: os.read(descriptor, MAX_TEXT), b""))
-    finally:
-        os.close(descriptor)
-
-
 def read_transcript(path: str | Path) -> str:
     """Text of a file as one line; UTF-8 (with or without a byte-order mark), UTF-16 with one, or else Windows-1252.
 
@@ -205,13 +184,7 @@ def read_transcript(path: str | Path) -> str:
     OSError
         As :func:`read_bytes`.
     """
-    data = read_bytes(path)
-    if data[:2] in (b"\xff\xfe", b"\xfe\xff"):
-        return one_line(data.decode("utf-16", "replace"))
-    try:
-        return one_line(data.decode("utf-8-sig"))
-    except UnicodeDecodeError:
-        return one_line(data.decode("cp1252", "replace"))
+    return one_line(decoded(read_bytes(path)))
 
 
 def one_line(text: str) -> str:
@@ -226,8 +199,12 @@ def recordings_digest(utterances: Iterable[Utterance], by_content: bool = False)
     ----------
     by_content : of what is in the files, which are then read, and not of their size and time of modification
     """
-    paths = sorted({path for one in utterances for path in (one.media, one.audio, one.motion) if path})
-    return digest([(path, _state(path, by_content)) for path in paths])
+    return files_digest((path for one in utterances for path in (one.media, one.audio, one.motion) if path), by_content)
+
+
+def files_digest(paths: Iterable[str], by_content: bool = False) -> str:
+    """As :func:`recordings_digest`, of files."""
+    return digest([(path, _state(path, by_content)) for path in sorted(set(paths))])
 
 
 def _state(path: str, by_content: bool):

@@ -10,10 +10,11 @@ from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
 
-from visualspeech.corpora.files import VIDEOS, find_files, read_bytes, recording_fields, shown, unreadable_folders
+from visualspeech.corpora.files import VIDEOS, find_files, recording_fields, shown, unreadable_folders
 from visualspeech.corpora.folder import existing_folder
 from visualspeech.corpora.records import Utterance, displayable, legal_id
 from visualspeech.errors import CorpusError
+from visualspeech.storage.foreign import read_bytes
 
 UNITS_PER_SECOND = 25_000  # of the times in an .align file
 SILENCES = frozenset({"sil", "sp"})

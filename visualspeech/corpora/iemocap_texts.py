@@ -5,7 +5,8 @@ from collections import Counter
 from collections.abc import Iterable
 from pathlib import Path
 
-from visualspeech.corpora.files import one_line, read_bytes
+from visualspeech.corpora.files import one_line
+from visualspeech.storage.foreign import read_bytes
 
 #: Labels that the corpus gives a turn itself, written out as its raters' are; ``xxx`` says that they did not agree.
 LABELS = {

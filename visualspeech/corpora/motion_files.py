@@ -16,10 +16,10 @@ from pathlib import Path
 
 import numpy as np
 
-from visualspeech.corpora.files import read_bytes
 from visualspeech.corpora.folder_table import csv_mistake
 from visualspeech.corpora.records import displayable
 from visualspeech.errors import RejectedUtterance
+from visualspeech.storage.foreign import read_bytes
 
 MAX_BYTES = 100_000_000  # of a file; ten minutes of 55 markers at 120 frames per second are about that
 MAX_COLUMNS = 5_000

@@ -10,6 +10,7 @@ A file may come from a stranger: it is read line by line, and only the columns t
 import stat
 from array import array
 from collections.abc import Sequence
+from functools import lru_cache
 from pathlib import Path
 
 import numpy as np
@@ -21,7 +22,7 @@ from visualspeech.face.tracker import POINTS, LandmarkSettings, TrackedVideo
 POINT_COLUMNS = tuple(f"{axis}_{number}" for axis in "xy" for number in range(POINTS))
 OPTIONAL = ("frame", "timestamp", "face_id", "confidence", "success")
 MAX_LINE = 30_000  # characters; those of OpenFace have about 8,000
-MAX_ROWS = 200_000  # two hours at 25 frames/s, of which 230 MB are kept
+MAX_ROWS = 200_000  # two hours at 25 frames/s, of which 120 MB are kept
 #: A face with a larger share of its points outside the frame than this is none of this video.
 MAX_OUTSIDE = 1 / 3
 CAUSES = ("not in the file", "marked as not tracked", "not numbers", "outside the frame")
@@ -125,8 +126,8 @@ def read_landmarks(path: Path) -> dict[str, np.ndarray]:
 
     Returns
     -------
-    ``points`` (n, 68, 2) in pixels; ``frame``, ``timestamp``, ``face_id``, ``confidence`` and ``success`` (n,), with
-    NaN for a missing frame or timestamp, 0 for a missing face_id and 1 for a missing confidence or success
+    ``points`` (n, 68, 2) float32 in pixels; ``frame``, ``timestamp``, ``face_id``, ``confidence`` and ``success`` (n,),
+    with NaN for a missing frame or timestamp, 0 for a missing face_id and 1 for a missing confidence or success
 
     Raises
     ------
@@ -135,20 +136,28 @@ def read_landmarks(path: Path) -> dict[str, np.ndarray]:
         too many or too long rows.
     """
     try:
-        if not stat.S_ISREG(path.stat().st_mode):
+        state = path.stat()
+        if not stat.S_ISREG(state.st_mode):
             raise RejectedUtterance(f"the landmark file {path} is not a regular file", AGAIN)
-        with path.open(encoding="utf-8-sig", newline=None) as file:
-            return _table(file, path.name)
+        return _read(path, state.st_size, state.st_mtime_ns)
     except OSError as error:
         raise RejectedUtterance(f"the landmark file {path} cannot be read: {error.strerror or error}", AGAIN) from error
     except UnicodeDecodeError as error:
         raise RejectedUtterance(f"the landmark file {path.name} is no text (byte {error.start})", AGAIN) from error
 
 
+@lru_cache(maxsize=1)  # the utterances of a long recording are tracked one after the other
+def _read(path: Path, size: int, modified: int) -> dict[str, np.ndarray]:
+    with path.open(encoding="utf-8-sig", newline=None) as file:
+        return _table(file, path.name)
+
+
 def _table(file, name: str) -> dict[str, np.ndarray]:
     header = [one.strip().strip('"') for one in _cells(file, name, 1)]
     columns = _columns(header, name)
-    values, line = array("d"), 1
+    rest = [one for one in OPTIONAL if one in columns]
+    # Single precision is enough for pixels, and halves what a long file takes.
+    points, others, line = array("f"), array("d"), 1
     while cells := _cells(file, name, line + 1):
         line += 1
         if cells == [""]:
@@ -160,15 +169,14 @@ def _table(file, name: str) -> dict[str, np.ndarray]:
                 f"line {line} of the landmark file {name} has {len(cells)} values, its first line {len(header)} names",
                 AGAIN,
             )
-        values.extend(_number(cells[at], header[at], line, name) for at in columns.values())
-    rows = np.frombuffer(values, np.float64).reshape(-1, len(columns)) if values else np.zeros((0, len(columns)))
-    if not len(rows):
+        points.extend(_number(cells[columns[one]], one, line, name) for one in POINT_COLUMNS)
+        others.extend(_number(cells[columns[one]], one, line, name) for one in rest)
+    if not points:
         raise RejectedUtterance(f"the landmark file {name} has no rows", AGAIN)
-    found = dict(zip(columns, rows.T, strict=True))
-    points = np.stack([found.pop(one) for one in POINT_COLUMNS], axis=1).reshape(len(rows), 2, POINTS)
+    found = np.frombuffer(points, np.float32).reshape(-1, 2, POINTS).swapaxes(1, 2)
+    values = dict(zip(rest, np.frombuffer(others, np.float64).reshape(len(found), -1).T, strict=True))
     missing = {"frame": np.nan, "timestamp": np.nan, "face_id": 0.0, "confidence": 1.0, "success": 1.0}
-    rest = {one: found.get(one, np.full(len(rows), missing[one])) for one in OPTIONAL}
-    return {"points": points.swapaxes(1, 2), **rest}
+    return {"points": found, **{one: values.get(one, np.full(len(found), missing[one])) for one in OPTIONAL}}
 
 
 def _columns(header: Sequence[str], name: str) -> dict[str, int]:
@@ -208,9 +216,12 @@ def _number(cell: str, column: str, line: int, name: str) -> float:
 
 def _main_face(table: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
     """The rows of one face: that which is large in most frames."""
-    ids = np.unique(table["face_id"][np.isfinite(table["face_id"])])
+    known = np.isfinite(table["face_id"])
+    ids = np.unique(table["face_id"][known])
     if not len(ids):
         raise RejectedUtterance("the landmark file has no face_id that is a number", AGAIN)
+    if len(ids) == 1 and known.all():
+        return table
     with np.errstate(invalid="ignore"):
         size = np.nan_to_num(np.ptp(table["points"][..., 0], axis=1)) * (table["success"] > 0)
     largest = max(ids, key=lambda one: (size[table["face_id"] == one].sum(), -one))

@@ -10,6 +10,7 @@ from visualspeech.corpora.records import Utterance, legal_id, shard_of
 from visualspeech.corpora.split import split_utterances
 from visualspeech.errors import CorpusError
 from visualspeech.face.markers import MarkerSet
+from visualspeech.planning.alignment import AlignmentPlan, plan_alignment
 from visualspeech.planning.motion import corpus_markers, motion_source
 
 
@@ -30,6 +31,7 @@ class CorpusPlan:
     markers : of its motion capture, by region; None where its faces are landmarks of videos
     motion : how its motion capture is read, plain data of :class:`visualspeech.corpora.motion.MotionSource`; empty if
         there is none
+    alignment : where its alignment comes from
     """
 
     name: str
@@ -42,12 +44,17 @@ class CorpusPlan:
     recordings: Callable[[str], str]
     speakers: Mapping[str, str]
     gives: frozenset[str]
+    alignment: AlignmentPlan
     markers: MarkerSet | None = None
     motion: Mapping = field(default_factory=dict)
 
     def rows(self, shard: str) -> list[dict]:
         """The utterances of a shard as plain data."""
         return [asdict(one) for one in self.utterances[shard]]
+
+    def ids(self, shard: str) -> list[str]:
+        """Ids of the utterances of a shard whose files can be looked at."""
+        return [one.id for one in self.utterances[shard] if not one.problem]
 
     def test_utterances(self) -> int:
         """Number of utterances in the test split, before any is rejected."""
@@ -83,6 +90,7 @@ def plan_corpus(corpus: Mapping, shards: int, shares: Mapping[str, float], seed:
             f"no utterance of the corpus {corpus['name']} can be used ({len(utterances)} are listed). The first one, "
             f"{first.file}: {first.problem}. {first.remedy}"
         )
+    alignment = plan_alignment(corpus, usable)
     split = split_utterances(utterances, (shares["train"], shares["validation"], shares["test"]), seed)
     by_shard: dict[str, list[Utterance]] = {}
     for utterance in sorted(utterances, key=lambda one: one.id):
@@ -99,7 +107,8 @@ def plan_corpus(corpus: Mapping, shards: int, shares: Mapping[str, float], seed:
         # Files that the run itself makes are inputs of its jobs; their digest at planning would say nothing.
         recordings=cache(lambda shard: "" if made_here else recordings_digest(by_shard[shard], by_content)),
         speakers=_speakers(usable, corpus["name"]),
-        gives=_gives(usable),
+        gives=_gives(usable, alignment),
+        alignment=alignment,
         markers=markers,
         motion=motion_source(corpus, markers) if markers else {},
     )
@@ -125,12 +134,13 @@ def _speakers(utterances: list[Utterance], corpus: str) -> dict[str, str]:
     return found
 
 
-def _gives(utterances: list[Utterance]) -> frozenset[str]:
+def _gives(utterances: list[Utterance], alignment: AlignmentPlan) -> frozenset[str]:
     video, motion = all(one.media for one in utterances), all(one.motion for one in utterances)
     given = {
         "video": video,
         "audio": all(one.sound for one in utterances),
-        "text": any(one.transcript for one in utterances),
+        "text": alignment.given or any(one.transcript for one in utterances),
+        "arpabet": alignment.arpabet,
         "motion": motion,
         "faces": video or motion,
         "one_speaker": len({one.speaker for one in utterances}) == 1,

@@ -4,6 +4,8 @@ import os
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 
+from visualspeech.speech.phone_sets import PRESETS
+
 MAX_PATH, MAX_NAME = 4095, 255  # bytes, of a path and of each name in it
 _BELOW = 600  # bytes that the paths of results are longer than the folder of the results
 
@@ -30,6 +32,12 @@ def _files(settings: Mapping) -> Iterator[tuple[str, str]]:
     for name, corpus in settings["corpora"].items():
         if corpus["table"] and corpus["adapter"] == "folder":
             yield f"corpora.{name}.table", str(Path(os.path.expanduser(corpus["root"]), corpus["table"]))
+        aligned = corpus["alignment"]
+        table = aligned["phones"] not in PRESETS and aligned["phones"]
+        for key, path in (("folder", aligned["folder"]), ("dictionary", aligned["dictionary"]), ("phones", table)):
+            if path:
+                inside = os.path.join(os.path.expanduser(corpus["root"]), os.path.expanduser(path))
+                yield f"corpora.{name}.alignment.{key}", inside if os.path.exists(inside) else path
     if settings["speak"]["file"]:
         yield "speak.file", settings["speak"]["file"]
     if settings["landmarks"]["folder"]:

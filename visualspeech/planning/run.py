@@ -10,6 +10,8 @@ from itertools import product
 from pathlib import Path
 
 from visualspeech.errors import SettingError
+from visualspeech.fields import section_schema
+from visualspeech.planning.alignment import corpus_alignment
 from visualspeech.planning.blocks import speaking_mistakes
 from visualspeech.planning.codings import coding_schema, complete_coding, kind_mistakes, no_picture, with_needs
 from visualspeech.planning.corpora import CorpusPlan, plan_corpus
@@ -28,6 +30,7 @@ from visualspeech.planning.systems import (
 )  # fmt: skip
 from visualspeech.schema import fill_defaults, load_schema, mistakes, unknown
 from visualspeech.settings import plain_data
+from visualspeech.speech.alignment_settings import AlignmentSettings
 
 #: Folders beside the systems' in a corpus's results; no system may have such a name.
 RESERVED = ("alignment", "audio", "benchmarks", "check", "codings", "corpus", "heads", "landmarks", "logs", "motion",
@@ -76,6 +79,8 @@ def resolve(config: Mapping, folder: Path) -> dict:
             schema = coding_schema(schema, entry) if key == "codings" else schema
             found += mistakes(entry, schema, f"{key}.{name}")
             found += input_mistakes(entry, f"{key}.{name}") if key == "systems" else []
+            if key == "corpora" and isinstance(own := entry.get("alignment", {}), Mapping):
+                found += mistakes(own, section_schema(AlignmentSettings), f"{key}.{name}.alignment")
     if found:
         raise SettingError("\n".join(found))
     settings = fill_defaults(config, schemas["run"])
@@ -84,6 +89,11 @@ def resolve(config: Mapping, folder: Path) -> dict:
     if abs(sum(shares.values()) - 1) > 1e-6:
         collect.found.append(f"`split`: the shares must sum to 1, they sum to {sum(shares.values()):g}.")
     corpora = {name: fill_defaults(one, schemas["corpus"], f"corpora.{name}") for name, one in corpora.items()}
+    aligned = {
+        name: collect(corpus_alignment, config.get("alignment") or {}, one, f"corpora.{name}")
+        for name, one in corpora.items()
+    }
+    corpora = {name: {**one, "alignment": aligned[name]} for name, one in corpora.items()}
     codings = {
         name: collect(complete_coding, coding, schemas["coding"], f"codings.{name}") for name, coding in codings.items()
     }
@@ -196,6 +206,17 @@ class Plan:
     corpora: Mapping[str, CorpusPlan]
     pairs: tuple[tuple[str, str], ...]
     skipped: tuple[str, ...]
+
+    def check_alignments(self) -> None:
+        """Read the dictionaries of the corpora and some of their files of alignments.
+
+        Raises
+        ------
+        SettingError, CorpusError
+            They cannot be used.
+        """
+        for corpus in self.corpora.values():
+            corpus.alignment.check()
 
     def systems(self, corpus: str) -> list[str]:
         """Names of the systems that run on a corpus."""

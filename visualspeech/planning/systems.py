@@ -7,7 +7,7 @@ from pathlib import Path
 
 from visualspeech.errors import SettingError
 from visualspeech.evaluation.published_results import published_names
-from visualspeech.features.blocks.base import block_class, block_kinds, is_segmental, needs_of
+from visualspeech.features.blocks.base import block_class, block_kinds, is_segmental, needs_arpabet, needs_of
 from visualspeech.fields import section_schema, with_defaults
 from visualspeech.models.entries import model_mistakes
 from visualspeech.models.registry import expand
@@ -33,6 +33,7 @@ NEEDS = {
     "faces": "video or motion capture of every utterance",
     "one_speaker": "recordings of one speaker (select one with `speaker` of the corpus)",
     "emotion": "an emotion label of the utterances",
+    "arpabet": "phones of ARPAbet (the corpus has `alignment.phones: as_is`; map them onto ARPAbet by a table)",
 }
 #: Kinds of input blocks that a program gives (:func:`visualspeech.train`) and no system can have.
 GIVEN = ("arrays",)
@@ -268,9 +269,7 @@ def complete_system(system: Mapping, seed: int) -> dict:
         **{key: value for key, value in system.items() if key not in ("models", "training", "seeds")},
         "seeds": seeds,
         # What its models read counts among its needs, whether or not its file says so.
-        "needs": list(
-            dict.fromkeys([*system["needs"], *sorted(set().union(*(_needs_of_row(row, blocks) for row in rows)))])
-        ),
+        "needs": list(dict.fromkeys([*system["needs"], *sorted(set().union(*(_asks(row, blocks) for row in rows)))])),
         "blocks": blocks,
         "rows": [row.plain() for row in rows],
         "videos": {**system["videos"], "model": shown},
@@ -315,6 +314,12 @@ def _window_mistakes(system: Mapping, blocks: Mapping, rows: Sequence[ModelRow],
 def _needs_of_row(row: ModelRow, blocks: Mapping) -> set[str]:
     """What the input blocks of a row are computed from."""
     return {need for name in row.reads for need in needs_of(block_class(blocks[name]["kind"]))}
+
+
+def _asks(row: ModelRow, blocks: Mapping) -> set[str]:
+    """What the input blocks of a row are computed from, and whether they know no other phones than ARPAbet."""
+    own = {"arpabet" for name in row.reads if needs_arpabet(block_class(blocks[name]["kind"]))}
+    return _needs_of_row(row, blocks) | own
 
 
 def _naming_mistakes(system: Mapping, rows: Sequence[ModelRow], where: str) -> list[str]:

@@ -3,6 +3,7 @@
 import numpy as np
 
 from visualspeech.speech.alignment import Alignment
+from visualspeech.speech.phone_sets import arpabet_of
 from visualspeech.speech.phones import CLASSES
 from visualspeech.timing import frame_times
 
@@ -27,7 +28,7 @@ def occurrences(opening: np.ndarray, alignment: Alignment, rate: float, name: st
     """
     times, found = frame_times(len(opening), rate), []
     for number, phone in enumerate(alignment.phones):
-        if phone.label in CLASSES[name]:
+        if arpabet_of(phone.label) in CLASSES[name]:
             inside = np.flatnonzero((times >= phone.start - MARGIN) & (times <= phone.end + MARGIN))
             if len(inside):
                 found.append((number, int(inside[np.argmin(opening[inside])])))
@@ -48,7 +49,7 @@ def closing_frames(opening: np.ndarray, alignment: Alignment, rate: float) -> np
 def open_frames(opening: np.ndarray, alignment: Alignment, rate: float) -> np.ndarray:
     """Frame of the greatest opening within each open vowel, (n,); vowels that hold no frame are left out."""
     times, opening = frame_times(len(opening), rate), np.asarray(opening)
-    vowels = [(one.start, one.end) for one in alignment.phones if one.label in OPEN_VOWELS]
+    vowels = [(one.start, one.end) for one in alignment.phones if arpabet_of(one.label) in OPEN_VOWELS]
     inside = [np.flatnonzero((times >= start) & (times < end)) for start, end in vowels]
     return np.array([frames[np.argmax(opening[frames])] for frames in inside if len(frames)], int)
 

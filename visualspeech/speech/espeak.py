@@ -8,6 +8,7 @@ Only the standard library and ``espeakng_loader`` are imported, for a fast start
 Requests: ``{"say": text, "voice": name, "rate": words per minute, "pitch": 0..100}``, answered by one JSON line
 ``{"rate", "events"}`` and the samples (16 bit, mono); or ``{"pronounce": [words], "voice": name}``, answered by one
 JSON line ``{"pronounced": [[mnemonics of a word], ...]}``. With ``"marks": true`` mnemonics keep their stress marks.
+With ``"phonemes": true`` a text may hold words as mnemonics in double square brackets.
 """
 
 import ctypes
@@ -17,7 +18,7 @@ import sys
 # Names and numbers of speak_lib.h
 SYNCHRONOUS = 2
 PHONEME_EVENTS, DO_NOT_EXIT = 0x0001, 0x8000
-UTF8 = 1
+UTF8, PHONEMES = 0x001, 0x100
 RATE, PITCH = 1, 3
 WORD, PHONEME = 1, 7
 SEED = 1
@@ -70,7 +71,7 @@ class Engine:
         phonemes = [phoneme for phoneme in phonemes if phoneme.strip(STRESS_MARKS)]
         return phonemes if marks else [phoneme.strip(STRESS_MARKS) for phoneme in phonemes]
 
-    def say(self, text: str, rate: int, pitch: int) -> tuple[list, bytes]:
+    def say(self, text: str, rate: int, pitch: int, phonemes: bool = False) -> tuple[list, bytes]:
         """The events of a spoken text and its samples (16 bit, mono).
 
         Events are ``["word", sample, first character, characters]`` and ``["phone", sample, mnemonic]``.
@@ -96,7 +97,8 @@ class Engine:
         self.native.espeak_SetParameter(RATE, rate, 0)
         self.native.espeak_SetParameter(PITCH, pitch, 0)
         data = text.encode("utf-8")
-        self.native.espeak_Synth(data, len(data) + 1, 0, 0, 0, UTF8, None, None)
+        flags = UTF8 | (PHONEMES if phonemes else 0)
+        self.native.espeak_Synth(data, len(data) + 1, 0, 0, 0, flags, None, None)
         self.native.espeak_Synchronize()
         return events, b"".join(chunks)
 
@@ -111,7 +113,9 @@ def main() -> int:
             answer = {"pronounced": [engine.pronounce(word, marks) for word in request["pronounce"]]}
             samples = b""
         else:
-            events, samples = engine.say(request["say"], request["rate"], request["pitch"])
+            events, samples = engine.say(
+                request["say"], request["rate"], request["pitch"], request.get("phonemes", False)
+            )
             answer = {"rate": engine.rate, "events": events}
     except (RuntimeError, ValueError, OSError, ImportError) as error:
         print(error, file=sys.stderr)

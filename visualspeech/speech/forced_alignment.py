@@ -7,8 +7,8 @@ from pathlib import Path
 import numpy as np
 
 from visualspeech.errors import DataError, RejectedUtterance
-from visualspeech.fields import Settings, setting
 from visualspeech.speech.alignment import Alignment, Segment
+from visualspeech.speech.alignment_settings import AlignmentSettings
 from visualspeech.speech.lexicon import Lexicon, Pronunciation
 from visualspeech.speech.phones import CLASSES, SILENCE, STATES
 from visualspeech.speech.recognition import (
@@ -32,72 +32,6 @@ _MAX_PEAK = 2.0  # of floating-point samples; resampling overshoots 1 a little, 
 _MIN_STATE = 0.002  # seconds; minimum duration of a state at the beginning or end of the sound
 _MAX_OUTSIDE = 0.05  # seconds; how much of the first and last phone may lie outside the sound
 _DIGITS = 5  # decimal places of times in seconds
-
-
-@dataclass(frozen=True)
-class AlignmentSettings(Settings):
-    """Forced alignment, and when a transcript is rejected.
-
-    A pause that is too short is the closure of the stop after it, or belongs to the word before. Words that are
-    squeezed in beside noise consist of phones of minimum duration.
-    """
-
-    section = "alignment"
-    speech_threshold: float = setting(
-        0.3,
-        "Loudness from which a frame counts as speech, as a share of the range from quiet to loud frames of the "
-        "utterance.",
-        minimum=0,
-        maximum=1,
-    )
-    speech_margin: float = setting(
-        0.1, "Time kept before and after the speech for the decoder, in seconds.", minimum=0, maximum=60
-    )
-    padding: float = setting(
-        0.2, "Duration of the quiet noise added before and after the sound, in seconds.", minimum=0, maximum=5
-    )
-    padding_noise: float = setting(
-        5.0, "Root-mean-square amplitude of the padding noise, in 16-bit steps.", minimum=0, maximum=1000
-    )
-    pause_probability: float = setting(0.05, "Probability of a pause between two words.", minimum=0, maximum=1)
-    min_pause: float = setting(
-        0.1,
-        "Minimum duration of a pause between words in seconds; a shorter one becomes part of a neighbouring word.",
-        minimum=0,
-        maximum=60,
-    )
-    max_mismatch: float = setting(
-        40.0,
-        "An utterance is rejected if unconstrained phone recognition scores better than its transcript by more than "
-        "this (log score of the decoder per frame of speech).",
-        above=0,
-        maximum=1_000_000,
-    )
-    max_word_mismatch: float = setting(
-        110.0,
-        "An utterance is rejected if the same difference exceeds this in one of its words (log score of the decoder "
-        "per frame).",
-        above=0,
-        maximum=1_000_000,
-    )
-    word_mismatch_threshold: float = setting(
-        45.0,
-        "A word in which the same difference exceeds this counts as not said (log score of the decoder per frame).",
-        above=0,
-        maximum=1_000_000,
-    )
-    rejected_word_share: float = setting(
-        0.25,
-        "Share of the words, at least two of them, that count as not said, from which on an utterance is rejected.",
-        above=0,
-        maximum=1,
-    )
-    max_short_phone_share: float = setting(
-        0.55,
-        "An utterance is rejected if a larger share of its phones has the minimum duration of three frames (30 ms).",
-        above=0,
-        maximum=1,
-    )
 
 
 class Aligner:

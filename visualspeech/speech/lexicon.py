@@ -66,7 +66,7 @@ class Lexicon:
         rest = [word for word in words if word not in stems and re.search("[a-z]", word)]
         by_rule = self._letters_to_sounds(rest) if rest else {}
         guessed = {
-            word: tuple((*one, *_possessive(one[-1])) for one in self.pronunciations(stems[word])) for word in stems
+            word: tuple((*one, *possessive(one[-1])) for one in self.pronunciations(stems[word])) for word in stems
         }
         for word in words:
             if word in stems:
@@ -99,7 +99,8 @@ def bundled_dictionary() -> Path:
     return Path(get_model_path(), "en-us", "cmudict-en-us.dict")
 
 
-def _possessive(last: str) -> Pronunciation:
+def possessive(last: str) -> Pronunciation:
+    """The phones of a possessive ending after a last phone."""
     if last in ("s", "z", "sh", "zh", "ch", "jh"):
         return ("ih", "z")
     return ("s",) if last in ("f", "k", "p", "t", "th") else ("z",)

@@ -7,7 +7,7 @@ the alignment. For a recording, times are those of a forced alignment, or of pho
 transcript. What is driven by sound alone needs neither: only pauses, by the level of the recording.
 """
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 from pathlib import Path
@@ -57,7 +57,10 @@ class Spoken:
 
 
 def speak_text(
-    text: str, settings: VoiceSettings | None = None, shares: Mapping[str, Iterable[float]] | None = None
+    text: str,
+    settings: VoiceSettings | None = None,
+    shares: Mapping[str, Iterable[float]] | None = None,
+    own: Callable[[str], Sequence[str]] | None = None,
 ) -> Iterator[Spoken]:
     """Speak a text sentence by sentence, with the silences between them; memory does not grow with the text.
 
@@ -65,6 +68,7 @@ def speak_text(
     ----------
     text : as written
     shares : share of a phone's duration that each of its three states takes, by phone
+    own : pronunciation of a word in the dictionary of the speaker, see :func:`visualspeech.speech.tts.synthesise`
 
     Raises
     ------
@@ -74,7 +78,7 @@ def speak_text(
     settings = settings or VoiceSettings()
     sentences = split_sentences(text)
     for number, sentence in enumerate(sentences):
-        speech = tts.synthesise(sentence, settings.voice, settings.rate_wpm, settings.pitch)
+        speech = tts.synthesise(sentence, settings.voice, settings.rate_wpm, settings.pitch, own)
         if all(phone == SILENCE for phone, _, _ in speech.phones):
             raise SettingError(f"there is no word to pronounce in {sentence!r}; give English words or numbers.")
         last = number == len(sentences) - 1

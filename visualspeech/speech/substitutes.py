@@ -2,14 +2,17 @@
 
 A small corpus does not contain every phone (GRID lacks "zh", "oy", "sh" ...), but a text read by the synthetic voice
 may. Lips and jaw matter here, not the sound, so substitutes follow viseme classes: "sh" for "zh" and "ch", "f" for "v".
-A missing diphthong is replaced by its first half.
+A missing diphthong is replaced by its first half. Phones of another phone set (``alignment.phones: as_is``) are
+compared by the phone of ARPAbet that they stand for, or where there is none by their spelling: "aː" is like "a".
 """
 
 from collections.abc import Iterable, Sequence
 from dataclasses import replace
+from difflib import SequenceMatcher
 
 from visualspeech.errors import SettingError
 from visualspeech.speech.alignment import Alignment
+from visualspeech.speech.phone_sets import arpabet_of
 from visualspeech.speech.phones import CLASSES, PHONES, SILENCE, manner
 
 # Substitutes of each phone, the most similar first; if none is known, the phone with most classes in common is taken.
@@ -56,33 +59,57 @@ _ALIKE = {
 }
 
 
+_VOCALIC = {"vowel", "diphthong"}
+
+
 def substitute(phone: str, inventory: Sequence[str]) -> str:
     """The phone of an inventory that replaces a phone; the phone itself if the inventory has it.
 
     Raises
     ------
     SettingError
-        The inventory has no phone of speech in ARPAbet, or ``phone`` is not ARPAbet.
+        The inventory has no phones of speech that can be compared with this one.
     """
     if phone in inventory:
         return phone
-    if phone not in PHONES:
+    spoken = [other for other in inventory if other != SILENCE]
+    wanted, known = arpabet_of(phone), {}  # phone of ARPAbet -> the first of the inventory that stands for it
+    for other in spoken:
+        known.setdefault(arpabet_of(other), other)
+    known.pop("", None)
+    if not wanted and spoken and not set(spoken) <= set(PHONES):
+        return _alike_in_spelling(phone, spoken)
+    if not wanted:
         raise SettingError(
             f"{phone!r} is no phone of English in ARPAbet. Give one in lower case such as {PHONES[1]!r} or "
             f"{PHONES[-1]!r}."
         )
-    for other in _ALIKE.get(phone, "").split():
-        if other in inventory:
-            return other
-    known = [other for other in inventory if other in PHONES and other != SILENCE]
-    if phone == SILENCE or not known:
+    if phone == SILENCE or not _is_speech(known):
         raise SettingError(
             f"the model's phones ({', '.join(list(inventory)[:6])} ...) are not those of the voice (ARPAbet, and "
-            f"{SILENCE!r} for pauses); give a model that was trained on this project's alignment."
+            f"{SILENCE!r} for pauses), and do not stand for them; give a model whose alignment has phones of ARPAbet "
+            "or IPA."
         )
+    for other in (wanted, *_ALIKE.get(wanted, "").split()):
+        if other in known:
+            return known[other]
     # Phones of the same manner come first, then those with most classes in common, then the order of the inventory.
-    shared = [(manner(other) == manner(phone), _common(phone, other)) for other in known]
-    return known[max(range(len(known)), key=lambda i: (shared[i], -i))]
+    names = list(known)
+    shared = [(manner(other) == manner(wanted), _common(wanted, other)) for other in names]
+    return known[names[max(range(len(names)), key=lambda i: (shared[i], -i))]]
+
+
+def _is_speech(known: Iterable[str]) -> bool:
+    """Whether phones of ARPAbet are a phone set that English can be shown with: it has vowels and consonants."""
+    manners = {manner(phone) for phone in known}
+    return bool(manners & _VOCALIC) and bool(manners - _VOCALIC)
+
+
+def _alike_in_spelling(phone: str, inventory: Sequence[str]) -> str:
+    def likeness(other: str) -> tuple[bool, float]:
+        return phone[0] == other[0], SequenceMatcher(None, phone, other, autojunk=False).ratio()
+
+    return max(inventory, key=likeness)
 
 
 def substitutes(phones: Iterable[str], inventory: Sequence[str]) -> dict[str, str]:

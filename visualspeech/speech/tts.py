@@ -8,14 +8,14 @@ import json
 import re
 import subprocess
 import sys
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
 
 from visualspeech.errors import SettingError, VisualSpeechError
-from visualspeech.speech import espeak
+from visualspeech.speech import espeak, mnemonics
 from visualspeech.speech.phones import SILENCE
 
 VOICE = "en-us"
@@ -122,7 +122,13 @@ class Speech:
     phones: tuple[tuple[str, float, float], ...]
 
 
-def synthesise(text: str, voice: str = VOICE, rate_wpm: int = 160, pitch: int = 45) -> Speech:
+def synthesise(
+    text: str,
+    voice: str = VOICE,
+    rate_wpm: int = 160,
+    pitch: int = 45,
+    own: Callable[[str], Sequence[str]] | None = None,
+) -> Speech:
     """Synthetic speech of a text.
 
     Parameters
@@ -131,6 +137,8 @@ def synthesise(text: str, voice: str = VOICE, rate_wpm: int = 160, pitch: int = 
     voice : name of a voice of eSpeak NG
     rate_wpm : words per minute, 80 to 450
     pitch : 0 (low) to 100 (high)
+    own : function of a word: its pronunciation in a dictionary of one's own, ARPAbet with or without stress digits;
+        empty for words that the voice pronounces by its rules
 
     Raises
     ------
@@ -145,11 +153,14 @@ def synthesise(text: str, voice: str = VOICE, rate_wpm: int = 160, pitch: int = 
         raise SettingError(f"rate_wpm is {rate_wpm}; give a speed between 80 and 450 words per minute.")
     if not 0 <= pitch <= 100:
         raise SettingError(f"pitch is {pitch}; give a number between 0 and 100.")
-    answer, data = _ask({"say": text, "voice": voice, "rate": int(rate_wpm), "pitch": int(pitch)})
+    request = {"say": text, "voice": voice, "rate": int(rate_wpm), "pitch": int(pitch)}
+    spelt = mnemonics.with_own(text, own) if own else None
+    answer, data = _ask(request if spelt is None else {**request, "say": spelt.text, "phonemes": True})
     samples = np.frombuffer(data, "<i2").astype(np.int16)
     if not len(samples):
         raise VisualSpeechError(f"the speech synthesiser gave no sound for {text!r}. Reword the sentence.")
-    return Speech(samples, answer["rate"], *_timed(text, voice, answer["events"], samples, answer["rate"]))
+    events = answer["events"] if spelt is None else spelt.located(answer["events"])
+    return Speech(samples, answer["rate"], *_timed(text, voice, events, samples, answer["rate"]))
 
 
 def letter_to_sound(word: str, voice: str = VOICE) -> list[str]:

@@ -40,6 +40,8 @@ try:
     elif workflow.is_main_process:
         check_overlays(workflow.configfiles)
     PLAN = plan_run(from_command_line(config, {} if IS_MODULE else workflow.config_settings.config), ROOT / "config")
+    if workflow.is_main_process:
+        PLAN.check_alignments()
 except VisualSpeechError as error:
     raise WorkflowError(str(error))
 
@@ -206,6 +208,38 @@ def for_corpora(pattern, need=""):
 def utterances_of(wildcards):
     """The utterances of a shard as plain data."""
     return PLAN.corpora[wildcards.corpus].rows(wildcards.shard)
+
+
+def alignment_of(wildcards):
+    """Params function: settings of the alignment of the job's corpus."""
+    return PLAN.corpora[wildcards.corpus].alignment.settings
+
+
+def alignment_sources(wildcards):
+    """What alignment reads beside settings and sound: phone set, dictionary, and the files of the job's shard."""
+    corpus = PLAN.corpora[wildcards.corpus]
+    return corpus.alignment.sources(corpus.ids(wildcards.shard))
+
+
+def alignment_state(wildcards):
+    """As :func:`alignment_sources`, with the state of the files."""
+    corpus = PLAN.corpora[wildcards.corpus]
+    return corpus.alignment.digest(corpus.ids(wildcards.shard))
+
+
+def dictionary_of(wildcards):
+    """Params function: path and phone set of the pronunciation dictionary of the job's corpus; empty for none."""
+    return PLAN.corpora[wildcards.corpus].alignment.dictionary
+
+
+def dictionary_state(wildcards):
+    """As :func:`dictionary_of`, with the content of the file."""
+    return PLAN.corpora[wildcards.corpus].alignment.dictionary_digest()
+
+
+def is_written(wildcards):
+    """Params function: whether transcripts are needed; not where words are read from files."""
+    return gives(wildcards, "text") and not PLAN.corpora[wildcards.corpus].alignment.given
 
 
 def has_text(wildcards):

@@ -18,8 +18,10 @@ rule align_speech:
         runtime=minutes(5, least=15),
         disk_mb=disk(200, 2),
     params:
-        settings=SETTINGS["alignment"],
+        settings=alignment_of,
         text=has_text,
+        sources=carried(alignment_sources),
+        sources_digest=marked(alignment_state),
         code=code("align_speech.py"),
     script:
         "../scripts/align_speech.py"

@@ -54,7 +54,9 @@ rule check_recordings:
         disk_mb=disk(1000),
     params:
         settings=SETTINGS["check"],
-        text=has_text,
+        text=is_written,
+        dictionary=carried(dictionary_of),
+        dictionary_digest=marked(dictionary_state),
         recordings=recordings_digest,
         code=code("check_recordings.py"),
     script:

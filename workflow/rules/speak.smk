@@ -34,6 +34,8 @@ rule bundle_speaker:
         seconds=SPEAK["background_seconds"],
         names=names_of,
         sound_model=sound_model_of,
+        dictionary=carried(dictionary_of),
+        dictionary_digest=marked(dictionary_state),
         code=speaker_code("bundle_speaker.py"),
     script:
         "../scripts/bundle_speaker.py"

@@ -25,5 +25,6 @@ with (
         seconds=params.seconds,
         model=snakemake.wildcards.model,
         sound_model=params.sound_model,
+        dictionary=params.dictionary,
         **params.names,
     )

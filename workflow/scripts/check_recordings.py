@@ -5,12 +5,12 @@ from visualspeech.corpora.check_settings import CheckSettings
 from visualspeech.corpora.findings import write_findings
 from visualspeech.corpora.table import read_utterances
 from visualspeech.jobs import job, progress
-from visualspeech.speech.lexicon import Lexicon
+from visualspeech.speech.dictionary import lexicon_with
 from visualspeech.storage.arrays import ArrayWriter
 
 with job(snakemake.log[0]):
     settings = CheckSettings(**snakemake.params.settings)
-    lexicon = Lexicon()
+    lexicon = lexicon_with(**snakemake.params.dictionary)
     utterances = read_utterances(snakemake.input.utterances)
     findings, digests = [], {}
     with ArrayWriter(snakemake.output.audio) as audio:

@@ -1,20 +1,23 @@
+import json
+
 import numpy as np
 import pytest
 
 from tests.unit.animation import speakers
 from tests.unit.animation.faces import POINTS, draw
 from tests.unit.face import heads
-from visualspeech.animation.bundle import FILES, SpeakerBundle
+from visualspeech.animation.bundle import DESCRIPTION, FILES, SpeakerBundle
 from visualspeech.animation.bundling import RecordedFaces, bundle_speaker
 from visualspeech.corpora.records import Utterance
-from visualspeech.errors import DataError, SettingError, StorageError
+from visualspeech.errors import DamagedFile, DataError, SettingError, StorageError
 from visualspeech.face.aam.reference import sample_faces
 from visualspeech.face.pose import estimate, to_frontal
 from visualspeech.media.encoding import write_video
 from visualspeech.models.rest import resting_face
+from visualspeech.provenance import file_digest
 from visualspeech.speech.alignment import to_table
 from visualspeech.speech.phones import PHONES
-from visualspeech.speech.spoken import state_shares, timed
+from visualspeech.speech.spoken import speak_text, state_shares, timed
 from visualspeech.storage.arrays import ArrayReader, ArrayWriter
 from visualspeech.storage.tables import write_table
 
@@ -86,3 +89,32 @@ def test_what_cannot_be_bundled_leaves_no_folder(run, tmp_path):
     with pytest.raises(DataError, match="no recording to take the background from"):
         bundled(run, tmp_path / "speaker", utterances=run[1][2:])
     assert not list(tmp_path.iterdir())
+
+
+def test_a_dictionary_goes_with_the_speaker(run, tmp_path):
+    (tmp_path / "own.dict").write_text("quux\tkʰ w ɐ k s\ntomato\tt ə m ɑ t ow\n", encoding="utf-8")
+    given = {"path": str(tmp_path / "own.dict"), "phones": {"name": "ipa", "table": {}}}
+    bundle = bundled(run, tmp_path / "speaker", dictionary=given)
+    (tmp_path / "own.dict").unlink()  # the folder holds all that it needs
+    bundle = SpeakerBundle.load((tmp_path / "speaker").rename(tmp_path / "moved"))
+    assert bundle.lexicon().pronunciations("quux") == (("k", "w", "ah", "k", "s"),)
+    assert bundle.pronunciation("tomato") == ("t", "ah", "m", "aa", "t", "ow")
+    said = next(iter(speak_text("Quux.", shares=bundle.shares, own=bundle.pronunciation)))
+    assert [one.label for one in said.alignment.phones if one.label != "sil"] == ["k", "w", "ah", "k", "s"]
+    assert bundled(run, tmp_path / "plain").pronunciation is None
+
+
+@pytest.mark.parametrize("content", [b"", b"quux K QQ\n", b"\xff" * 100, b"quux\n"])
+def test_a_damaged_dictionary_is_a_sentence(run, tmp_path, content):
+    (tmp_path / "own.dict").write_text("quux K W AH1 K S\n")
+    given = {"path": str(tmp_path / "own.dict"), "phones": {"name": "arpabet", "table": {}}}
+    path = tmp_path / "speaker" / FILES["dictionary"]
+    bundled(run, tmp_path / "speaker", dictionary=given)
+    path.write_bytes(content)
+    with pytest.raises(DataError, match="is not the file that this speaker was made of"):
+        SpeakerBundle.load(tmp_path / "speaker")
+    about = json.loads((tmp_path / "speaker" / DESCRIPTION).read_text())
+    about["parts"]["dictionary"] = file_digest(path)
+    (tmp_path / "speaker" / DESCRIPTION).write_text(json.dumps(about))
+    with pytest.raises(DamagedFile, match="dictionary.txt: it is no pronunciation dictionary"):
+        SpeakerBundle.load(tmp_path / "speaker")

@@ -66,7 +66,7 @@ def test_what_is_missing_is_said_and_the_corpus_goes_on(tmp_path):
     assert found["Ses01F_impro01_F003"].warning == "" and found["Ses01F_impro01_F003"].emotion == "excited"
     assert found["Ses01M_script01_1_M000"].warning == "there is no emotion file Ses01M_script01_1.txt"
     plan = plan_corpus(corpus(tmp_path), 2, SHARES, 1, "results")
-    assert plan.gives == {"audio", "text", "motion", "faces", "emotion"}
+    assert plan.gives == {"audio", "text", "motion", "faces", "emotion", "arpabet"}
 
 
 def test_an_emotion_file_that_cannot_be_read_costs_the_emotions(tmp_path):

@@ -92,7 +92,7 @@ def test_regions_are_a_name_a_file_or_names(tmp_path):
         return plan_corpus(corpus(tmp_path, **changes), 2, SHARES, 1, "results")
 
     found = planned(rate=60)
-    assert found.gives == {"audio", "motion", "faces", "one_speaker"}
+    assert found.gives == {"audio", "motion", "faces", "one_speaker", "arpabet"}
     assert found.markers.by_region() == REGIONS
     assert found.motion == {"names": list(NAMES), "format": "csv", "rate": 60, "timecode_rate": 0}
     assert planned(regions="face.yaml").markers.by_region() == {"upper": ["brow"], "lower": ["chin"]}

@@ -225,7 +225,20 @@ def test_a_file_is_read_as_pandas_reads_it(tmp_path):
 
     path = write(tmp_path / "a.csv", rows(TRUE))
     table, found = pandas.read_csv(path, skipinitialspace=True), read_landmarks(path)
-    np.testing.assert_array_equal(found["points"][..., 0], table[POINTS[:68]])
-    np.testing.assert_array_equal(found["points"][..., 1], table[POINTS[68:]])
+    np.testing.assert_array_equal(found["points"][..., 0], table[POINTS[:68]].to_numpy(np.float32))
+    np.testing.assert_array_equal(found["points"][..., 1], table[POINTS[68:]].to_numpy(np.float32))
     for name in ("frame", "timestamp", "face_id", "confidence", "success"):
         np.testing.assert_array_equal(found[name], table[name])
+
+
+def test_a_file_is_read_once_for_the_segments_of_a_recording_and_again_when_it_changes(settings, monkeypatch):
+    read = []
+    known = landmark_csv._table
+    monkeypatch.setattr(landmark_csv, "_table", lambda *given: read.append(given[1]) or known(*given))
+    write(file_of(settings), rows(TRUE))
+    for first in (0, 5, 10):
+        np.testing.assert_allclose(tracked(settings, frames=FRAMES[:5], first=first).points[0], TRUE[first], atol=1e-3)
+    assert read == ["a.csv"]
+    write(file_of(settings), rows(TRUE + 1.5))
+    np.testing.assert_allclose(tracked(settings).points, TRUE + 1.5, atol=1e-3)
+    assert read == ["a.csv"] * 2

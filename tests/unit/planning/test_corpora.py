@@ -109,12 +109,12 @@ BEN = {f"ben/{n}.mp4": "hello" for n in range(3)}
 
 
 def test_what_a_corpus_gives(tmp_path):
-    assert plan(demo(5)).gives == {"video", "audio", "text", "faces", "one_speaker"}
+    assert plan(demo(5)).gives == {"video", "audio", "text", "faces", "one_speaker", "arpabet"}
     both = plan(folder(tmp_path, {**ANNA, **BEN}))
-    assert both.gives == {"video", "audio", "text", "faces"}
+    assert both.gives == {"video", "audio", "text", "faces", "arpabet"}
     assert both.speakers == {"anna": "anna", "ben": "ben"}
     silent = plan(folder(tmp_path / "silent", dict.fromkeys(ANNA, "")))
-    assert silent.gives == {"video", "audio", "faces", "one_speaker"}
+    assert silent.gives == {"video", "audio", "faces", "one_speaker", "arpabet"}
     (tmp_path / "list.tsv").write_text("file\ttranscript\temotion\na.mp4\tx\thappy\nb.mp4\ty\nc.mp4\tz\n")
     assert "emotion" in plan(folder(tmp_path, {}, "list.tsv")).gives
 

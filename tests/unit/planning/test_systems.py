@@ -82,7 +82,8 @@ def test_a_system_in_one_mapping():
     assert [row["name"] for row in found["rows"]] == ["F-8", "training_mean", "reconstruction"]
     assert found["videos"]["model"] == "F-8" and found["preference"]["models"] == ["F-8", "training_mean"]
     assert "models" not in found and found["seeds"] == [1]
-    assert found["needs"] == ["video", "text"]  # labels are computed from the text, whatever its file says
+    # Labels are computed from the text, and stress from ARPAbet, whatever its file says.
+    assert found["needs"] == ["video", "arpabet", "text"]
 
 
 def test_a_system_of_baselines_shows_one():
@@ -267,7 +268,7 @@ MISTAKES = [
     (changed(tables={"selections": {"mine": {"metrics": ["rmse"]}}}),
      "`systems.fan2015.tables.selections.mine.metrics.0: rmse` is no measure.* Known: rmse_shape"),
     (changed(trajectories={"models": ["FBB"]}), "`systems.fan2015.trajectories.models.0: FBB` is no model of"),
-    (changed(tables={"metrics": ["rmse"]}), "`systems.fan2015.tables.metrics.0: rmse` is no measure. Did you mean"),
+    (changed(tables={"metrics": ["rmse"]}), "`systems.fan2015.tables.metrics.0: rmse` is no measure. Known: rmse_s"),
     (changed(published="fan2016"), "fan2016"),
     (changed(seeds=[1, 1]), r"`systems.fan2015.seeds: \[1, 1\]` names 1 more than once"),
     ({"corpora": 3}, "`corpora: 3` must be a list, a text or lines of `key: value`"),

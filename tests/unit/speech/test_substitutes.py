@@ -31,3 +31,18 @@ def test_other_phone_sets_are_refused():
         substitutes(["b"], ["b", "aa"])  # knows no silence
     with pytest.raises(SettingError, match="no phone of English"):
         substitute("xx", PHONES)
+
+
+def test_phones_of_another_set_are_compared_by_what_they_stand_for():
+    ipa = ["sil", "pʰ", "iː", "m", "ɑː", "s"]
+    assert [substitute(phone, ipa) for phone in ("p", "b", "aa", "z", "m̩", "iy")] == ["pʰ", "pʰ", "ɑː", "s", "m", "iː"]
+    assert substitutes(["aa", "iy", "p", "s"], ipa) == {"aa": "ɑː", "iy": "iː", "p": "pʰ"}
+
+
+def test_phones_that_stand_for_nothing_are_compared_by_spelling():
+    assert substitute("øː", ["sil", "a", "ø", "øx"]) == "ø"
+    assert substitute("Y9", ["sil", "X9", "Y"]) == "Y"
+    with pytest.raises(SettingError, match="not those of the voice"):
+        substitute("aa", ["sil", "4", "7", "9"])
+    with pytest.raises(SettingError, match="not those of the voice"):
+        substitute("aa", ["sil", "p", "s"])  # consonants alone: another language's letters

@@ -76,7 +76,8 @@ class Block(Protocol):
     block of the system has ``made_of``, see :func:`parts_of`, and its ``fit`` takes the fitted blocks by name as a
     fourth argument. One that keeps what only training utterances need has ``for_new_speech()``, the block without it.
     One that normalises per speaker has ``with_speakers(sources)``, see :func:`with_unseen_speakers`. One that needs an
-    optional package has ``unavailable()``, see :func:`unavailable`.
+    optional package has ``unavailable()``, see :func:`unavailable`. One that knows the phones of ARPAbet alone says so
+    with ``arpabet = True``.
     """
 
     kind: ClassVar[str]
@@ -189,6 +190,11 @@ def with_unseen_speakers(block: Block, sources: Iterable[Source]) -> Block:
 def unavailable(block: "type[Block]") -> str:
     """Why blocks of this class cannot be computed with what is installed, and what to do; empty if they can."""
     return block.unavailable() if hasattr(block, "unavailable") else ""
+
+
+def needs_arpabet(block: "type[Block] | Block") -> bool:
+    """Whether a block, or its class, knows the phones of ARPAbet alone; a class that says nothing takes any."""
+    return bool(getattr(block, "arpabet", False))
 
 
 def is_segmental(block: "type[Block] | Block") -> bool:

@@ -69,6 +69,7 @@ class FullContext:
     """
 
     kind: ClassVar[str] = "full_context"
+    arpabet: ClassVar[bool] = True
     settings: ClassVar[type | None] = FullContextSettings
     stored: ClassVar[FileLayout] = FileLayout(
         plain={"phones": PHONES, **section_schema(FullContextSettings)["properties"]}

@@ -41,6 +41,7 @@ class LabelParts:
     """
 
     kind: ClassVar[str] = "label_parts"
+    arpabet: ClassVar[bool] = True
     settings: ClassVar[type | None] = LabelPartsSettings
     stored: ClassVar[FileLayout] = FileLayout(
         plain={"parts": {"type": "array", "minItems": 1, "uniqueItems": True, "items": {"enum": list(PARTS)}}}

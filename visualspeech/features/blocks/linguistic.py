@@ -57,6 +57,7 @@ class Linguistic:
     """
 
     kind: ClassVar[str] = "linguistic"
+    arpabet: ClassVar[bool] = True
     settings: ClassVar[type | None] = LinguisticSettings
     stored: ClassVar[FileLayout] = FileLayout(
         plain={

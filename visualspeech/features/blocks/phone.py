@@ -46,6 +46,7 @@ class Phone:
     """
 
     kind: ClassVar[str] = "phone"
+    arpabet: ClassVar[bool] = True
     settings: ClassVar[type | None] = PhoneSettings
     stored: ClassVar[FileLayout] = FileLayout(
         plain={

@@ -47,6 +47,7 @@ class PhoneClasses:
     """
 
     kind: ClassVar[str] = "phone_classes"
+    arpabet: ClassVar[bool] = True
     settings: ClassVar[type | None] = PhoneClassesSettings
     stored: ClassVar[FileLayout] = FileLayout(
         plain={

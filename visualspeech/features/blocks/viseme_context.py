@@ -54,6 +54,7 @@ class VisemeContext:
     """
 
     kind: ClassVar[str] = "viseme_context"
+    arpabet: ClassVar[bool] = True
     needs: ClassVar[tuple[str, ...]] = ("text", "faces")
     made_of: ClassVar[Mapping[str, str]] = {"visemes": DynamicVisemes.kind}
     settings: ClassVar[type | None] = VisemeContextSettings

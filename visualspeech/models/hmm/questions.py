@@ -7,6 +7,7 @@ import numpy as np
 
 from visualspeech.models.hmm.segments import Factor
 from visualspeech.speech.phone_classes import PHONE_CLASSES
+from visualspeech.speech.phone_sets import arpabet_of
 
 
 @dataclass(frozen=True)
@@ -56,11 +57,12 @@ def position_names(columns: int, centre: int) -> list[str]:
 def phone_sets(phones: Sequence[str]) -> dict[str, np.ndarray]:
     """Sets of phones of an inventory by name, (K,) bool each: articulatory classes, and every phone by itself.
 
-    A set with no phone, with all phones, or with the phones of an earlier set is left out.
+    Phones of another set than ARPAbet are in the classes of the phone that they stand for. A set with no phone, with
+    all phones, or with the phones of an earlier set is left out.
     """
     result: dict[str, np.ndarray] = {}
     for name, members in {**PHONE_CLASSES, **{phone: {phone} for phone in phones}}.items():
-        chosen = np.array([phone in members for phone in phones])
+        chosen = np.array([phone in members or arpabet_of(phone) in members for phone in phones])
         seen = any(np.array_equal(chosen, other) for other in result.values())
         if chosen.any() and not chosen.all() and not seen:
             result[name] = chosen

@@ -76,3 +76,9 @@ def test_factors_are_asked_about_in_their_own_columns():
     assert answer["words in phrase at most 2"] == [False, False]
     assert answer["syllable in word at most 0"] == [False, True] and "syllable in word equal to 1" not in answer
     assert asked.members.shape == (len(asked.names), 5) and answer["current vowel"] == [True, True]
+
+
+def test_phones_of_another_set_are_in_the_classes_of_what_they_stand_for():
+    sets = phone_sets(["sil", "pʰ", "b", "ɑː", "iː", "%"])
+    assert sets["stop"].tolist() == [False, True, True, False, False, False]
+    assert sets["open"].tolist() == [False, False, False, True, False, False] and "%" in sets
