@@ -29,7 +29,7 @@ def test_a_study_is_made_and_left_alone_once_people_have_answered_it(tiny_run, t
         database.executescript(TABLES)
         database.execute("INSERT INTO participants VALUES (1, 'c', 't', 0, 'now', 'now', NULL, NULL)")
     database.close()
-    done = snakemake(tiny_run, "--forcerun", "make_study", "--", "study", configfiles=more)
+    done = snakemake(tiny_run, "study", "--forcerun", "make_study", configfiles=more)
     assert done.returncode == 0 and "the study fan2015 of tiny is left as it is" in done.stdout
     assert read_study(folder) == study and read_key(folder) == key
     shutil.rmtree(folder.parent)
