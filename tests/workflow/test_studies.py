@@ -5,6 +5,7 @@ import sqlite3
 
 import pytest
 
+from tests.described_files import undescribed
 from tests.workflow.running import overlay, snakemake
 from visualspeech.study.layouts import TABLES
 from visualspeech.study.records import ANSWERS, MEDIA, read_key, read_study
@@ -17,8 +18,10 @@ def test_a_study_is_made_and_left_alone_once_people_have_answered_it(tiny_run, t
     assert done.returncode == 0, done.stdout[-3000:]
     folder = tiny_run / "results" / "tiny" / "studies" / "fan2015"
     study, key = read_study(folder), read_key(folder)
-    assert {path.name for path in (folder / MEDIA).iterdir()} == {*key.stimuli, study.sound_check.stimulus}
+    media = {path.name for path in (folder / MEDIA).iterdir()} - {".snakemake_timestamp"}
+    assert media == {*key.stimuli, study.sound_check.stimulus}
     assert [one.model for one in key.conditions] == ["FB-16", "hmm_mge"] and key.corpus == "tiny"
+    assert [line for line in undescribed(folder.parents[1]) if line.startswith("studies")] == []
     assert "sadoughi2017 is skipped: it compares models of sadoughi2017, which is not selected" in done.stdout
     more = overlay(tmp_path, {"override": {"studies": {"fan2015": {"attention": 1}}}})
     assert "rule make_study" in snakemake(tiny_run, "--dry-run", "study", configfiles=more).stdout
@@ -26,7 +29,7 @@ def test_a_study_is_made_and_left_alone_once_people_have_answered_it(tiny_run, t
         database.executescript(TABLES)
         database.execute("INSERT INTO participants VALUES (1, 'c', 't', 0, 'now', 'now', NULL, NULL)")
     database.close()
-    done = snakemake(tiny_run, "--forcerun", "make_study", "--", "study", configfiles=more)
+    done = snakemake(tiny_run, "study", "--forcerun", "make_study", configfiles=more)
     assert done.returncode == 0 and "the study fan2015 of tiny is left as it is" in done.stdout
     assert read_study(folder) == study and read_key(folder) == key
     shutil.rmtree(folder.parent)

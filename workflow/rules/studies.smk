@@ -4,7 +4,7 @@ rule make_study:
         utterances=of_study_codings("<coding>/utterances.tsv"),
         aam=of_study_codings("<coding>/model.safetensors", "aam"),
         reference=of_study_codings("<coding>/reference.safetensors", "aam"),
-        head=where_pictured(lambda wildcards: of_head(wildcards)),
+        head=where_pictured(of_head),
         landmarks=where_pictured(shards("<corpus>/landmarks/{shard}.h5")),
         pose=where_pictured(shards("<corpus>/pose/{shard}.h5")),
         textures=faces_of_study,

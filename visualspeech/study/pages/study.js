@@ -59,6 +59,7 @@
     video.play().catch(() => say("The video could not be played. Please try again."));
   };
   play.addEventListener("click", toggle);
+  play.disabled = false; // a press before this line would do nothing
   video.addEventListener("click", toggle);
   video.addEventListener("playing", () => { label(); if (!video.muted && video.volume > 0) say(""); });
   video.addEventListener("pause", label);
