@@ -98,7 +98,7 @@ def process(root: Path, folder: Path) -> Stages:
             "track_landmarks",
             source,
             {"landmarks": files["landmarks.h5"], "findings": found["track"]},
-            {"landmarks": {}, "screening": {}},
+            {"landmarks": {}, "screening": {}, "folder": ""},
         ),
     ]
     stages = Stages(folder, {one.id for one in utterances}, "")

@@ -21,19 +21,15 @@ def test_a_run_shows_a_line_per_stage_and_ends_with_five(tiny_run):
     done = snakemake(tiny_run, "all", quiet=True)
     lines = done.stdout.splitlines()
     assert done.returncode == 0 and len(lines) < 20, done.stdout
-    assert [line.split(":")[0] for line in lines[-6:-1]] == [
-        "Report",
-        "Best model",
-        "Rejected",
-        "Guessed words",
-        "Next",
-    ]
-    assert "results/tiny/report.html" in lines[-6] and "fan2015" in lines[-5] and "0 of 12 utterances" in lines[-4]
-    assert "visualspeech speak --model results/tiny/fan2015/speakers/FB-16" in lines[-1]
+    # `Next` has a line more where the speaker has not been made yet.
+    end = lines[next(number for number, line in enumerate(lines) if line.startswith("Report:")) :]
+    assert [line.split(":")[0] for line in end[:5]] == ["Report", "Best model", "Rejected", "Guessed words", "Next"]
+    assert "results/tiny/report.html" in end[0] and "fan2015" in end[1] and "0 of 12 utterances" in end[2]
+    assert "visualspeech speak --model results/tiny/fan2015/speakers/FB-16" in end[-1] and len(end) <= 6
     assert any("tables" in line and "jobs done" in line for line in lines)
     assert "localrule" not in done.stdout and "tabulate_results" not in done.stdout
     again = snakemake(tiny_run, "all", quiet=True)
-    assert "Nothing to be done" in again.stdout and again.stdout.splitlines()[-6:] == lines[-6:]
+    assert "Nothing to be done" in again.stdout and again.stdout.splitlines()[-len(end) :] == end
 
 
 def test_more_is_shown_where_it_is_asked_for(tiny_run):

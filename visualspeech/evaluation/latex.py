@@ -72,7 +72,7 @@ def _head(body: Sequence[str]) -> list[str]:
         shown = " ".join(odd[:20])
         lines.append(f"% Needs LuaLaTeX or XeLaTeX, and a font that has these characters: {shown}")
     if not body:
-        lines.append("% Every row or measure of this table is left out by the settings of tables.latex.")
+        lines.append("% This table has no rows, or the settings of tables.latex leave out every row or measure.")
     return [*lines, ""]
 
 

@@ -23,7 +23,7 @@ from visualspeech.media.reading import read_audio, read_frames
 from visualspeech.settings import read_yaml
 from visualspeech.storage.arrays import ArrayReader
 
-PAIR = read_yaml(REPOSITORY / "config" / "corpora" / "demo_pair.yaml") | {"root": "media"}
+PAIR = read_yaml(REPOSITORY / "config" / "corpora" / "demo_pair.yaml") | {"root": "media", "shards": None}
 BROWS, INNER_BROWS, CORNERS = range(17, 27), [21, 22], [48, 54]
 
 

@@ -100,8 +100,8 @@ def test_points_that_are_not_finite_are_no_face(monkeypatch):
 
 
 def test_a_module_is_found_in_the_folder_of_the_user_and_its_neighbours_too(folder):
-    (folder / "mine_alone.py").write_text("from beside_it import Corner\n")
-    (folder / "beside_it.py").write_text("from tests.unit.face.trackers import Corner\n")
+    (folder / "mine_alone.py").write_text("from its_neighbour import Corner\n")
+    (folder / "its_neighbour.py").write_text("from tests.unit.face.trackers import Corner\n")
     tracker = load_tracker(own("Corner", "mine_alone"), VIDEO, str(folder))
     assert isinstance(tracker, trackers.Corner)
 
