@@ -144,6 +144,11 @@ def test_what_was_found_comes_first_and_unfolded():
     assert "details::details-content" in text
 
 
+def test_without_a_common_measure_the_main_tables_stand_above_the_folds():
+    first, _, _ = render_report(content(bands=(), short="")).partition("<details")
+    assert "RMSE(appearance)" in first and 'class="overview"' not in first
+
+
 @pytest.mark.parametrize(("count", "warned"), [(FEW_UTTERANCES - 1, True), (FEW_UTTERANCES, False)])
 def test_few_test_utterances_are_a_warning_above_the_tables(count, warned):
     text = render_report(content(utterances={"train": 100, "validation": 10, "test": count}))
