@@ -1,6 +1,6 @@
 """What the library costs a program: its imports, loading a speaker, and the first frame of a request.
 
-Run: python -m benchmarks.library [SPEAKER]
+Run: python -m benchmarks.api [SPEAKER]
 
 SPEAKER is the folder of a speaker (results/demo/fan2015/speakers/FBB-128-lips). Prints the seconds of importing each
 public name in a process of its own, less those of starting Python, with the heavy modules that come with it; and for a
