@@ -82,7 +82,7 @@ def test_a_job_of_an_ended_run_ends_before_it_touches_anything(tmp_path, ended, 
 def test_a_new_run_waits_for_jobs_that_have_not_noticed(tmp_path):
     """A process that follows a run shares its lock before it looks: the next run waits for its end."""
     held = hold(tmp_path, "old")
-    code = "from visualspeech.cluster import follow_run; import time; follow_run(every=0.3); print(flush=True)"
+    code = "from visualspeech.cluster import follow_run; import time; follow_run(every=2); print(flush=True)\ntime.sleep(60)"
     environment = {
         **os.environ, cluster.NAME: "old", LOCKS: json.dumps([str(jobs_lock(tmp_path))]),
         "PYTHONPATH": os.pathsep.join(sys.path),
@@ -93,7 +93,7 @@ def test_a_new_run_waits_for_jobs_that_have_not_noticed(tmp_path):
     job.stdout.readline()
     held.close()
     with hold(tmp_path, "new"):
-        assert job.wait(0.1) == 128 + signal.SIGTERM
+        assert job.wait(1) == 128 + signal.SIGTERM
     job.communicate()
 
 
