@@ -82,7 +82,10 @@ def test_a_job_of_an_ended_run_ends_before_it_touches_anything(tmp_path, ended, 
 def test_a_new_run_waits_for_jobs_that_have_not_noticed(tmp_path):
     """A process that follows a run shares its lock before it looks: the next run waits for its end."""
     held = hold(tmp_path, "old")
-    code = "from visualspeech.cluster import follow_run; import time; follow_run(every=2); print(flush=True)\ntime.sleep(60)"
+    code = (
+        "import time; from visualspeech.cluster import follow_run\n"
+        "follow_run(every=2); print(flush=True); time.sleep(60)"
+    )
     environment = {
         **os.environ, cluster.NAME: "old", LOCKS: json.dumps([str(jobs_lock(tmp_path))]),
         "PYTHONPATH": os.pathsep.join(sys.path),
