@@ -22,7 +22,7 @@ from benchmarks.runs import CorpusRun, SystemRun
 from visualspeech.animation.performance import perform
 from visualspeech.errors import DataError
 from visualspeech.evaluation.articulation import Target, targets_of
-from visualspeech.face.coding import load_coding
+from visualspeech.face.coding_files import load_coding
 from visualspeech.face.lips import lip_opening
 from visualspeech.face.point_sets import to_points
 from visualspeech.models.inventory import phones_of

@@ -22,9 +22,6 @@ from visualspeech.interruption import stoppable
 from visualspeech.jobs import log
 from visualspeech.study.command import add_study
 
-#: Suffixes of videos, each a container.
-SUFFIXES = (".mp4", ".mov", ".webm")
-
 # torch, dlib and the media libraries are imported only when a command runs, so that help and errors appear at once.
 
 
@@ -256,14 +253,12 @@ def _check_outputs(given: argparse.Namespace) -> None:
         A path cannot be written.
     """
     from visualspeech.animation.command_paths import check_outputs
+    from visualspeech.animation.frame_files import check_video_name
 
     if given.output is None and given.frames is None:
         raise SettingError("there is nothing to write; give --output, --frames or both.")
-    if given.output is not None and given.output.suffix.lower() not in SUFFIXES:
-        raise SettingError(
-            f"--output {shortened(given.output)}: videos are written as MP4, MOV or WebM; give a name that ends in "
-            f"{', '.join(SUFFIXES[:-1])} or {SUFFIXES[-1]}."
-        )
+    if given.output is not None:
+        check_video_name(given.output, f"--output {shortened(given.output)}")
     files = {"--output": given.output, "--timings": given.timings}
     inputs = {"--audio": given.audio, "--text-file": given.text_file, "--background": _background_folder(given)}
     check_outputs(
@@ -282,18 +277,13 @@ def _size(text: str) -> tuple[int, int] | int:
     SettingError
         It is neither, odd, or too small or large.
     """
-    from visualspeech.animation.frame_files import MAX_SIDE, MIN_SIDE
+    from visualspeech.animation.frame_files import check_sides
 
     sides = text.lower().split("x")
     if len(sides) > 2 or not all(side.isascii() and side.isdecimal() and len(side) < 10 for side in sides):
         raise SettingError(f"--size {shortened(text)}: give WIDTHxHEIGHT, such as 640x480, or a height, such as 480.")
     numbers = [int(side) for side in sides]
-    wrong = next((one for one in numbers if not MIN_SIDE <= one <= MAX_SIDE), None)
-    if wrong is not None:
-        raise SettingError(f"--size {shortened(text)}: {wrong} is not from {MIN_SIDE} to {MAX_SIDE} pixels.")
-    odd = next((one for one in numbers if one % 2), None)
-    if odd is not None:
-        raise SettingError(f"--size {text}: videos need even sizes; give {odd + 1} or {odd - 1} instead of {odd}.")
+    check_sides(numbers, f"--size {shortened(text)}")
     return (numbers[0], numbers[1]) if len(numbers) == 2 else numbers[0]
 
 

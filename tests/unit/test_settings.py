@@ -18,7 +18,7 @@ from visualspeech.evaluation.published_results import published, published_names
 from visualspeech.evaluation.statistics import BootstrapSettings
 from visualspeech.evaluation.tables import TableSettings
 from visualspeech.face.aam.model import AamSettings
-from visualspeech.face.coding import KINDS as CODINGS
+from visualspeech.face.coding_files import KINDS as CODINGS
 from visualspeech.features.blocks.base import block_class, block_kinds
 from visualspeech.fields import MAX_SEED, described_fields, section_schema
 from visualspeech.models.entries import ENTRY, ENTRY_KEYS, TRAINED_KEYS, entry_schema

@@ -1,15 +1,48 @@
-"""Frames of a talking head as files: their size, and numbered PNGs with the sound beside them."""
+"""Files of a talking head: names of videos, sizes of frames, and numbered PNGs with the sound beside them."""
 
 import wave
 import zlib
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 
 import numpy as np
 
+from visualspeech.errors import SettingError
+
+#: Suffixes of videos, each a container.
+SUFFIXES = (".mp4", ".mov", ".webm")
 SOUND = "sound.wav"
 MIN_SIDE, MAX_SIDE = 64, 4096  # pixels of a side of a video
 _HEADER = 33  # bytes of a PNG before its second chunk
+
+
+def check_video_name(path: Path, given: str) -> None:
+    """Check that the name of a video ends in one of :data:`SUFFIXES`.
+
+    Parameters
+    ----------
+    given : how the message names it
+
+    Raises
+    ------
+    SettingError
+        It does not.
+    """
+    if path.suffix.lower() not in SUFFIXES:
+        raise SettingError(
+            f"{given}: videos are written as MP4, MOV or WebM; give a name that ends in {', '.join(SUFFIXES[:-1])} or "
+            f"{SUFFIXES[-1]}."
+        )
+
+
+def check_sides(sides: Sequence[int], given: str) -> None:
+    """Check the sides of a video in pixels; parameters and errors as of :func:`check_video_name`."""
+    wrong = next((one for one in sides if not MIN_SIDE <= one <= MAX_SIDE), None)
+    if wrong is not None:
+        raise SettingError(f"{given}: {wrong} is not from {MIN_SIDE} to {MAX_SIDE} pixels.")
+    odd = next((one for one in sides if one % 2), None)
+    if odd is not None:
+        raise SettingError(f"{given}: videos need even sizes; give {odd + 1} or {odd - 1} instead of {odd}.")
 
 
 def scaled(frame: np.ndarray, size: tuple[int, int] | None) -> np.ndarray:

@@ -144,7 +144,7 @@ def speak(
         A file cannot be written.
     """
     rate = bundle.background.rate
-    count = _frames(len(performance.appearance), performance.rate, rate)
+    count = frames_of(performance, rate)
     frames = speaking_frames(performance.appearance, bundle, settings, performance.rate, size)
     metadata = speech_metadata(performance.text, bundle, voice)
     with ExitStack() as made:
@@ -186,6 +186,11 @@ def speech_metadata(text: str, bundle: SpeakerBundle, voice: str) -> dict[str, s
         "corpus": bundle.corpus,
         "consent": permission,
     }
+
+
+def frames_of(performance: Performance, rate: float) -> int:
+    """Number of frames of a performance in a video of ``rate`` Hz."""
+    return _frames(len(performance.appearance), performance.rate, rate)
 
 
 def _frames(count: int, rate: float, wanted: float) -> int:

@@ -8,9 +8,11 @@ from tempfile import TemporaryDirectory
 import numpy as np
 
 from visualspeech.animation.bundle import SpeakerBundle
+from visualspeech.animation.frame_files import check_sides, check_video_name, size_of
 from visualspeech.animation.performance import Performance, perform
-from visualspeech.animation.speaking import speak, speaking_frames
+from visualspeech.animation.speaking import frames_of, speak, speaking_frames
 from visualspeech.animation.speaking_settings import SpeakSettings
+from visualspeech.animation.timings import Timings
 from visualspeech.animation.walk import WalkSettings
 from visualspeech.api.speech import named
 from visualspeech.errors import SettingError
@@ -33,12 +35,14 @@ class Said:
     bundle, performance : speaker; sound and parameters
     voice : source of the sound, for the metadata of the video
     settings : of the rendering
+    spoken : words and phones; None where the lips follow the sound alone, of which none are known
     """
 
     bundle: SpeakerBundle
     performance: Performance
     voice: str
     settings: SpeakSettings
+    spoken: Timings | None = None
 
     @property
     def rate(self) -> float:
@@ -65,24 +69,40 @@ class Said:
         """Parameters of the visual coding, (T, N) float32 at the rate of the model."""
         return np.asarray(self.performance.appearance[: len(self.performance.appearance)])
 
+    @property
+    def timings(self) -> dict | None:
+        """Words, phones and visemes with their times in the video (docs/speaking.md); None: the lips follow the sound
+        alone, of which none are known."""
+        if self.spoken is None:
+            return None
+        return self.spoken.data(self.performance.text, self.rate, frames_of(self.performance, self.rate))
+
     def __iter__(self) -> Iterator[np.ndarray]:
         """The frames, (height, width, 3) uint8 RGB, one at a time; height and width are even."""
         return speaking_frames(self.performance.appearance, self.bundle, self.settings, self.performance.rate)
 
-    def save(self, path: str | Path) -> Path:
-        """Write an MP4 file with its sound, and metadata that say that it is synthetic; returns its path.
+    def save(
+        self, path: str | Path, *, size: tuple[int, int] | int | None = None, frames: str | Path | None = None
+    ) -> Path:
+        """Write a video with its sound, and metadata that say that it is synthetic; returns its path.
+
+        Parameters
+        ----------
+        path : ends in ``.mp4`` or ``.mov`` (H.264 and AAC), or ``.webm`` (VP9 and Opus)
+        size : (width, height) in pixels, or a height; None: the size of the recordings
+        frames : folder for the frames as numbered PNGs and ``sound.wav``; an existing one is replaced. None: no PNGs
 
         Raises
         ------
         SettingError
-            The name does not end in ``.mp4``.
+            The name has another suffix, or the size is odd, too small or too large.
         StorageError
-            The file cannot be written.
+            A file cannot be written.
         """
         path = Path(path)
-        if path.suffix.lower() != ".mp4":
-            raise SettingError(f"{path}: videos are written as MP4; give a name that ends in .mp4.")
-        speak(path, self.performance, self.bundle, self.voice, self.settings)
+        check_video_name(path, str(path))
+        wanted = size_of(_checked(size), self.bundle.background.size)
+        speak(path, self.performance, self.bundle, self.voice, self.settings, size=wanted, frames_folder=frames)
         return path
 
     def mp4(self) -> bytes:
@@ -173,18 +193,32 @@ class Speaker:
             The recording cannot be read, there is no speech in it, or the text is not what is said.
         """
         bundle = self.bundle.for_recordings() if text is None else self.bundle
-        rate = bundle.trained.rate
-        if bundle.reads_sound_alone:
+        rate, alone = bundle.trained.rate, bundle.reads_sound_alone
+        if alone:
             spoken = speak_sound(recording, rate, text or "")
         else:
             listens = "audio" in needs_of_model(bundle.trained)
             lexicon = bundle.lexicon()
             spoken = speak_recording(recording, text, rate, lexicon, shares=bundle.shares, with_sound=listens)
         with named(recording):
-            return self._said(bundle, spoken, f"recording {Path(recording).name}, as given", seed, label)
+            return self._said(bundle, spoken, f"recording {Path(recording).name}, as given", seed, label, not alone)
 
-    def _said(self, bundle: SpeakerBundle, spoken, voice: str, seed: int, label: bool) -> Said:
+    def _said(self, bundle: SpeakerBundle, spoken, voice: str, seed: int, label: bool, timed: bool = True) -> Said:
         if not (isinstance(seed, int) and 0 <= seed <= MAX_SEED):
             raise SettingError(f"seed={shortened(seed)}: give a number from 0 to {MAX_SEED}.")
         settings = SpeakSettings(label=label, walk=WalkSettings(seed=seed))
-        return Said(bundle, perform(spoken, bundle.trained, bundle.rest), voice, settings)
+        timings = Timings()
+        performance = perform(spoken, bundle.trained, bundle.rest, timings=timings)
+        return Said(bundle, performance, voice, settings, timings if timed else None)
+
+
+def _checked(size: tuple[int, int] | int | None) -> tuple[int, int] | int | None:
+    """The size of a video as given; raises SettingError unless it is one."""
+    if size is None:
+        return None
+    sides = size if isinstance(size, tuple | list) else (size,)
+    given = f"size={shortened(size)}"
+    if len(sides) > 2 or not all(isinstance(side, int) for side in sides):
+        raise SettingError(f"{given}: give (width, height) in pixels, or a height.")
+    check_sides(sides, given)
+    return tuple(sides) if len(sides) == 2 else sides[0]

@@ -10,7 +10,8 @@ from visualspeech.api.reading import UNFINISHED, found_in, frame_of, known_in, l
 from visualspeech.corpora.records import Utterance
 from visualspeech.corpora.table import OF_PROBLEM, read_utterances
 from visualspeech.errors import DataError, StorageError
-from visualspeech.face.coding import VisualCoding, load_coding
+from visualspeech.face.coding import VisualCoding
+from visualspeech.face.coding_files import load_coding
 from visualspeech.provenance import file_digest
 from visualspeech.speech.alignment import TIERS, starts_of
 from visualspeech.storage.arrays import ArrayCollection

@@ -1,6 +1,6 @@
 """Code the faces of one shard as parameters of the visual coding."""
 
-from visualspeech.face.coding import load_coding
+from visualspeech.face.coding_files import load_coding
 from visualspeech.face.drift import Faces
 from visualspeech.jobs import job, progress
 from visualspeech.storage.arrays import ArrayReader, ArrayWriter

@@ -3,7 +3,7 @@
 from visualspeech.corpora.table import of_split, read_utterances
 from visualspeech.evaluation.lip_rows import cost_rows, lip_rows, lip_table
 from visualspeech.evaluation.tracked import read_mouth, read_speakers
-from visualspeech.face.coding import load_coding
+from visualspeech.face.coding_files import load_coding
 from visualspeech.jobs import job
 from visualspeech.speech.alignment import alignments_of
 from visualspeech.storage.arrays import ArrayCollection, ArrayReader

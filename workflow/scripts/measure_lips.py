@@ -2,7 +2,7 @@
 
 from visualspeech.corpora.table import of_split, read_utterances
 from visualspeech.evaluation.articulation import targets_of, write_targets
-from visualspeech.face.coding import load_coding
+from visualspeech.face.coding_files import load_coding
 from visualspeech.face.lips import has_inner_lips, lip_opening
 from visualspeech.face.point_sets import to_points
 from visualspeech.jobs import job

@@ -29,6 +29,25 @@ def test_a_text_becomes_frames_and_a_file(speaker, tmp_path):
     assert len(heard) == pytest.approx(len(said.sound), abs=2048) and np.abs(said.sound).max() > 0.1
 
 
+@pytest.mark.parametrize(
+    ("name", "size", "expected"),
+    [("a.mov", None, None), ("b.webm", (96, 64), (96, 64)), ("c.mp4", 64, (80, 64)), ("d.mp4", [64, 96], (64, 96))],
+)
+def test_other_containers_and_sizes(speaker, tmp_path, name, size, expected):
+    path = speaker.say("Hello.").save(tmp_path / name, size=size)
+    assert next(iter(read_frames(path))).shape[1::-1] == (expected or speaker.bundle.background.size)
+
+
+def test_frames_and_timings_are_those_of_the_video(speaker, tmp_path):
+    said = speaker.say("Hello. How are you?")
+    said.save(tmp_path / "said.mp4", frames=tmp_path / "frames")
+    assert len(list((tmp_path / "frames").glob("*.png"))) == said.timings["frames"] == len(list(said))
+    assert (tmp_path / "frames" / "sound.wav").is_file()
+    words = said.timings["words"]
+    assert [word["label"] for word in words] == ["hello", "how", "are", "you"]
+    assert words[-1]["end"] <= said.seconds == pytest.approx(said.timings["seconds"])
+
+
 def test_each_request_is_by_itself(speaker, tmp_path):
     first, other = speaker.say("Hello."), speaker.say("Another.", speed=300, label=False)
     again = speaker.say("Hello.")
@@ -72,6 +91,7 @@ def test_a_recording_gives_the_voice(speaker, tmp_path):
     heard = speaker.say_recording(tmp_path / "said.wav")
     assert with_text.seconds == pytest.approx(said.seconds, abs=0.1) == heard.seconds
     assert heard.bundle.model == "F-4-mel" and with_text.bundle.model == "F-4"
+    assert with_text.timings["words"][-1]["label"] == "map" and heard.timings is None  # the lips follow the sound
     assert "recording said.wav" in with_text.voice and next(iter(heard)).ndim == 3
 
 
@@ -95,8 +115,15 @@ def test_mistakes_are_reported_by_the_call(speaker, text, options, said):
 def test_other_mistakes(speaker, tmp_path):
     with pytest.raises(StorageError, match="holds no speaker.json"):
         Speaker.load(tmp_path)
-    with pytest.raises(SettingError, match="ends in .mp4"):
+    with pytest.raises(SettingError, match=r"said.avi: .* ends in .mp4, .mov or .webm"):
         speaker.say("Hello.").save(tmp_path / "said.avi")
+    for size, message in {
+        (97, 64): "even sizes; give 98 or 96", 20: "from 64 to 4096", (64, 64, 3): r"give \(width, height\)",
+        64.5: r"give \(width, height\)", "64x64": r"give \(width, height\)",
+    }.items():  # fmt: skip
+        with pytest.raises(SettingError, match=f"^size=.*{message}"):
+            speaker.say("Hello.").save(tmp_path / "said.mp4", size=size)
+    assert list(tmp_path.iterdir()) == []
     with pytest.raises(RejectedUtterance, match="nowhere.wav: the file does not exist"):
         speaker.say_recording(tmp_path / "nowhere.wav", "Hello.")
     with pytest.raises(SettingError, match="is empty"):

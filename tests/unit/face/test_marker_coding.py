@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from visualspeech.errors import DamagedFile, DataError, StorageError
-from visualspeech.face.coding import load_coding, read_coding_header
+from visualspeech.face.coding_files import load_coding, read_coding_header
 from visualspeech.face.marker_coding import MarkerCoding, MarkerSettings, fit
 from visualspeech.face.markers import marker_set
 from visualspeech.storage.models import read_model, write_model

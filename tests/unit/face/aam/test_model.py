@@ -9,7 +9,7 @@ from visualspeech.face.aam.modes import face_pictures, mode_pictures
 from visualspeech.face.aam.reference import ReferenceSettings, fit_reference
 from visualspeech.face.aam.rows import ArrayRows
 from visualspeech.face.aam.training import fit_aam
-from visualspeech.face.coding import load_coding, read_coding_header
+from visualspeech.face.coding_files import load_coding, read_coding_header
 from visualspeech.face.drift import Faces, remove
 from visualspeech.face.point_sets import to_points, to_vector
 from visualspeech.features.visemes.classes import VisemeClasses
