@@ -123,6 +123,10 @@ def _parser() -> argparse.ArgumentParser:
         "--landmarks", type=Path, metavar="FOLDER",
         help="landmarks of the clips as CSV files of OpenFace, if the speaker was made with such",
     )  # fmt: skip
+    background.add_argument(
+        "--tracker", metavar="MODULE:CLASS",
+        help="a tracker of your own, in the working folder or installed, if the speaker was made with it; it is run",
+    )  # fmt: skip
     background.add_argument("-o", "--output", required=True, type=Path, metavar="FOLDER", help="the folder to write")
     background.add_argument(
         "--start", type=float, default=0.0, metavar="SECONDS", help="beginning of the part of each clip that is used"
@@ -312,19 +316,33 @@ def _background(given: argparse.Namespace) -> None:
         raise SettingError("--start and --end: give seconds from 0 on, the start before the end.")
     if given.landmarks is not None and not given.landmarks.is_dir():
         raise SettingError(f"--landmarks {shortened(given.landmarks)} is no folder; give the folder of the CSV files.")
+    if given.landmarks is not None and given.tracker is not None:
+        raise SettingError("--landmarks and --tracker are both given; give one of them.")
     inputs = {f"--video {path}": path for path in given.video}
     inputs |= {} if given.landmarks is None else {"--landmarks": given.landmarks}
     check_outputs({}, {"--output": given.output}, inputs, given.model)
     from visualspeech.animation.backgrounds import prepare_background
-    from visualspeech.face.tracker import LandmarkSettings
 
-    read = None if given.landmarks is None else LandmarkSettings(source="csv", folder=str(given.landmarks))
-    background = prepare_background(given.output, given.model, given.video, given.start, given.end, read)
+    settings, folder = _landmark_source(given)
+    background = prepare_background(given.output, given.model, given.video, given.start, given.end, settings, folder)
     width, height = background.size
     log.info(
         "%s holds %d frames of %d by %d pixels at %g Hz; use it with `visualspeech speak --background %s`",
         given.output, len(background), width, height, background.rate, given.output,
     )  # fmt: skip
+
+
+def _landmark_source(given: argparse.Namespace):
+    """Settings of the landmarks of ``background``, and the folder in which a tracker of one's own lies."""
+    from visualspeech.face.tracker import TRACKERS, LandmarkSettings
+
+    if given.landmarks is not None:
+        return LandmarkSettings(source="csv", folder=str(given.landmarks)), ""
+    if given.tracker is None or given.tracker in TRACKERS:
+        return LandmarkSettings(tracker=given.tracker or next(iter(TRACKERS))), ""
+    module = given.tracker.partition(":")[0].partition(".")[0]
+    here = Path(f"{module}.py").is_file() or Path(module).is_dir()
+    return LandmarkSettings(tracker=given.tracker), str(Path.cwd()) if here else ""
 
 
 if __name__ == "__main__":

@@ -83,6 +83,7 @@ def prepare_background(
     start: float = 0.0,
     end: float = 0.0,
     landmarks: LandmarkSettings | None = None,
+    folder_of_tracker: str = "",
 ) -> Background:
     """Track, normalise, screen and store clips of a speaker as a background.
 
@@ -93,9 +94,12 @@ def prepare_background(
     videos : clips of one camera
     start, end : seconds of each clip that are used; an end of 0 means to its end
     landmarks : where landmarks come from; they should be those that the speaker was made with
+    folder_of_tracker : in which the module of a tracker of one's own lies; empty: where Python finds modules
 
     Raises
     ------
+    SettingError
+        A tracker of one's own cannot be loaded.
     CorpusError
         A clip cannot be read, is broken or too short, or does not show the speaker's face.
     DataError
@@ -104,7 +108,7 @@ def prepare_background(
         The speaker cannot be loaded, or the folder cannot be written.
     """
     bundle = SpeakerBundle.load(model)
-    part = start, end, bundle, landmarks
+    part = start, end, bundle, landmarks, folder_of_tracker
     clips = [_clip(name, path, *part) for name, path in zip(_names(videos), videos, strict=True)]
     with replacing(folder) as made:
         made.mkdir()
@@ -211,7 +215,13 @@ def _clip(name: str, path: Path, *part) -> Clip:
 
 
 def _measured(
-    name: str, path: Path, start: float, end: float, bundle: SpeakerBundle, settings: LandmarkSettings | None
+    name: str,
+    path: Path,
+    start: float,
+    end: float,
+    bundle: SpeakerBundle,
+    settings: LandmarkSettings | None,
+    folder_of_tracker: str,
 ) -> Clip:
     info = probe(path)
     seconds = (end or info.duration or np.inf) - start
@@ -223,7 +233,7 @@ def _measured(
             "Choose a part of it with --start and --end.",
         )
     log.info("tracking %s", path)
-    landmarks, rate = track_recording(path, start, end, settings)
+    landmarks, rate = track_recording(path, start, end, settings, folder=folder_of_tracker)
     for finding in landmarks.findings:
         log.warning("%s: %s", path, finding)
     points, size = landmarks.points, (landmarks.width, landmarks.height)

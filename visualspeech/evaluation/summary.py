@@ -125,9 +125,7 @@ def speak_commands(folder: str, made: bool, arguments: Sequence[str], targets: C
     arguments, targets : command line of the run, and its targets, in whose place that command has ``speaker``
     """
     program, *words = arguments
-    own = Path(program).parent
-    # Typed as .venv/bin/snakemake, with its folder not on the path.
-    before = "" if shutil.which("snakemake") else f"{os.path.relpath(own)}/"
+    before = _before(program)
     name = "python -m snakemake" if Path(program).name == "__main__.py" else f"{before}snakemake"
     forced, rest = False, []
     for word in words:
@@ -136,3 +134,18 @@ def speak_commands(folder: str, made: bool, arguments: Sequence[str], targets: C
             rest.append(word)
     say = f'{before}visualspeech speak --model {shlex.quote(folder)} --text "Hello." -o hello.mp4'
     return [say] if made else [shlex.join([*name.split(), "speaker", *rest]), say]
+
+
+def study_commands(folders: Sequence[str], arguments: Sequence[str]) -> list[str]:
+    """What to type to show viewing tests to viewers, and to evaluate their answers: two commands for each folder."""
+    before = _before(arguments[0])
+    return [
+        f"{before}visualspeech study {step} {shlex.quote(folder)}"
+        for folder in folders
+        for step in ("serve", "evaluate")
+    ]
+
+
+def _before(program: str) -> str:
+    """What a command begins with where it is typed as .venv/bin/snakemake, with its folder not on the path."""
+    return "" if shutil.which("snakemake") else f"{os.path.relpath(Path(program).parent)}/"

@@ -1,7 +1,7 @@
 # What a run shows on the terminal, and its last lines.
 import sys
 
-from visualspeech.evaluation.summary import failed, finished, speak_commands
+from visualspeech.evaluation.summary import failed, finished, speak_commands, study_commands
 from visualspeech.jobs import settle_quiet
 from visualspeech.progress import SHOWN, Quiet
 
@@ -75,7 +75,10 @@ class OfCorpus:
 
 
 def what_next():
-    """What to type after a run: the commands that let the head speak."""
+    """What to type after a run: the commands that let the head speak, or show the viewing tests that were asked for."""
+    if "study" in workflow.dag_settings.targets:
+        made = [filled("<study>/study.json", OfStudy(*one))[0] for one in PLAN.studies]
+        return study_commands([str(Path(one).parent) for one in made if Path(one).is_file()], sys.argv)
     for corpus, system, model in SPEAKERS:
         if model:
             folder = filled("<system>/speakers/{model}", OfSystem(corpus, system), model=model)[0]

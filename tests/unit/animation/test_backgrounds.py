@@ -144,6 +144,7 @@ def test_several_clips_and_parts_of_them(clips, tmp_path):
         (["same", "--start", "1.5"], 1, "same.mp4: only 0.50 s of video"),
         (["same", "--start", "90"], 1, "same.mp4: only 0.00 s of video"),
         (["same", "--landmarks", "nowhere"], 2, "--landmarks nowhere is no folder"),
+        (["same", "--tracker", "drawn:Mine"], 2, "--landmarks and --tracker are both given"),
         (["same", "--model", "of"], 1, "of is no speaker: it holds no speaker.json"),
         (["same", "--model", "nowhere"], 2, "--model nowhere does not exist"),
         (["same", "-o", "made"], 2, "--output made is a folder that holds files; give a new or an empty one"),
@@ -171,6 +172,27 @@ def test_without_landmarks_of_ones_own_the_tracker_looks_for_a_face(clips, tmp_p
         capsys, "background", "--model", clips / "made", "--video", tmp_path / "patch.mp4", "-o", tmp_path / "bg"
     )
     assert status == 1 and "patch.mp4: no face in any frame" in error and not (tmp_path / "bg").exists()
+
+
+def test_a_tracker_of_ones_own_gives_the_landmarks(clips, tmp_path, monkeypatch, capsys):
+    np.save(tmp_path / "points.npy", heads.record(50, seed=4, mouth=2).points)
+    (tmp_path / "drawn.py").write_text(
+        "import numpy as np\nclass Mine:\n    def __init__(self, settings, video):\n"
+        "        self.points = np.load('points.npy')\n"
+        "    def next(self, frame, number):\n        return self.points[number]\n"
+    )
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr("sys.path", [*sys.path])
+    given = ["background", "--model", clips / "made", "--video", clips / "unseen.mp4", "-o", "bg", "--quiet"]
+    assert told(capsys, *given, "--tracker", "drawn:Mine") == (0, "")
+    found = load_background(SpeakerBundle.load(clips / "made"), clips / "made", tmp_path / "bg").background
+    assert np.abs(found.landmarks - np.load("points.npy")).mean() < 0.5
+    for tracker, said in {
+        "nowhere:Mine": "there is no module nowhere", "drawn:Yours": "the module drawn has no Yours", "a b": "tracker",
+    }.items():  # fmt: skip
+        status, error = told(capsys, *given[:-2], "other", "--quiet", "--tracker", tracker)
+        assert status == 2 and said in error and error.count("\n") == 1
+    assert not (tmp_path / "other").exists()
 
 
 def test_a_background_of_another_speaker_is_refused(clips, same, tmp_path):

@@ -4,7 +4,7 @@ import pytest
 
 from tests.unit.evaluation.examples import BASELINES, hmm, stack, statistics
 from visualspeech.corpora.findings import REJECT, UNLISTED, WARN, Finding, write_findings
-from visualspeech.evaluation.summary import failed, finished, guessed_words, speak_commands
+from visualspeech.evaluation.summary import failed, finished, guessed_words, speak_commands, study_commands
 from visualspeech.progress import Failed
 from visualspeech.storage.tables import write_table
 
@@ -97,3 +97,14 @@ def test_what_to_type_next(monkeypatch):
     monkeypatch.setattr("shutil.which", lambda name: None)
     monkeypatch.chdir("/")
     assert speak_commands("x", True, ["/a/bin/snakemake"], ())[0].startswith("a/bin/visualspeech speak")
+
+
+def test_what_to_type_after_a_study(monkeypatch):
+    monkeypatch.setattr("shutil.which", lambda name: None)
+    monkeypatch.chdir("/")
+    assert study_commands(["results/demo/studies/my test", "b"], ["/a/bin/snakemake", "study"]) == [
+        "a/bin/visualspeech study serve 'results/demo/studies/my test'",
+        "a/bin/visualspeech study evaluate 'results/demo/studies/my test'",
+        "a/bin/visualspeech study serve b",
+        "a/bin/visualspeech study evaluate b",
+    ]
