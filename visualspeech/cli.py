@@ -12,11 +12,10 @@ import os
 import stat
 import sys
 from collections.abc import Sequence
-from contextlib import nullcontext
 from pathlib import Path
 
 from visualspeech.api.command import add_export
-from visualspeech.errors import CorpusError, RejectedUtterance, SettingError, VisualSpeechError
+from visualspeech.errors import CorpusError, SettingError, VisualSpeechError
 from visualspeech.fields import MAX_SEED, shortened
 from visualspeech.interruption import stoppable
 from visualspeech.jobs import log
@@ -38,11 +37,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         with stoppable(lambda _: given.stopped()):
             given.run(given)
     except VisualSpeechError as error:
-        message = str(error)
-        if isinstance(error, RejectedUtterance):
-            recording = getattr(given, "audio", None) or "a recording"
-            message = f"{recording}: {error.reason}. {error.remedy}".strip()
-        print(f"visualspeech: {message}", file=sys.stderr)
+        print(f"visualspeech: {error}", file=sys.stderr)
         return 2 if isinstance(error, SettingError) else 1
     except MemoryError:
         print("visualspeech: out of memory. Give a shorter text, or a background of smaller frames.", file=sys.stderr)
@@ -147,7 +142,7 @@ def _speak(given: argparse.Namespace) -> None:
     text = _text(given)
     if not 0 <= given.seed <= MAX_SEED:
         raise SettingError(f"--seed {shortened(given.seed)}: give a number from 0 to {MAX_SEED}.")
-    voice_settings = VoiceSettings(given.voice, given.speed, given.pitch)
+    VoiceSettings(given.voice, given.speed, given.pitch)  # checks them
     wanted = None if given.size is None else _size(given.size)
     _check_model(given.model)
     if text is not None:
@@ -155,54 +150,28 @@ def _speak(given: argparse.Namespace) -> None:
     if given.audio is not None:
         _check_media(given.audio, "sound or video file")
     _check_outputs(given)
-    from visualspeech.animation.bundle import SpeakerBundle
     from visualspeech.animation.frame_files import size_of
-    from visualspeech.animation.performance import perform
-    from visualspeech.animation.speaking import speak
-    from visualspeech.animation.speaking_settings import SpeakSettings
-    from visualspeech.animation.timings import Timings
-    from visualspeech.animation.walk import WalkSettings
-    from visualspeech.models.inventory import needs_of_model
-    from visualspeech.speech.spoken import speak_recording, speak_sound, speak_text
-    from visualspeech.storage.files import replacing
+    from visualspeech.api.speaker import Speaker
 
-    bundle = SpeakerBundle.load(given.model)
+    speaker = Speaker.load(given.model)
     if given.background:
-        bundle = _before_background(bundle, given)
-    size = size_of(wanted, bundle.background.size)
-    if size is not None and any(map(operator.gt, size, bundle.background.size)):
-        recorded = " by ".join(map(str, bundle.background.size))
-        log.warning("--size is larger than the recorded %s pixels; larger frames show no more detail", recorded)
-    if given.audio:
-        bundle = bundle.for_recordings() if text is None else bundle
-        rate = bundle.trained.rate
-        if bundle.reads_sound_alone:
-            if given.timings is not None:
-                raise SettingError(
-                    "--timings: the lips follow the sound alone, of which no words and phones are known; give what is "
-                    "said with --text to a speaker whose model reads text, or leave --timings out."
-                )
-            log.info("the lips follow the sound of the recording (model %s)", bundle.model)
-            spoken = speak_sound(given.audio, rate, text or "")
-        else:
-            if text is None:
-                log.info("the lips follow recognised phones; for better ones, give what is said with --text")
-            listens = "audio" in needs_of_model(bundle.trained)
-            spoken = speak_recording(
-                given.audio, text, rate, bundle.lexicon(), shares=bundle.shares, with_sound=listens
-            )
-        voice = f"recording {given.audio.name}, as given"
+        speaker = speaker.before(given.background)
+    recorded = speaker.bundle.background.size
+    if wanted is not None and any(map(operator.gt, size_of(wanted, recorded), recorded)):
+        shown = " by ".join(map(str, recorded))
+        log.warning("--size is larger than the recorded %s pixels; larger frames show no more detail", shown)
+    options = {"seed": given.seed, "label": not given.no_label}
+    if given.audio is None:
+        said = speaker.say(text, voice=given.voice, speed=given.speed, pitch=given.pitch, **options)
+    elif given.timings is not None and speaker.follows_sound(text):
+        raise SettingError(
+            "--timings: the lips follow the sound alone, of which no words and phones are known; give what is said "
+            "with --text to a speaker whose model reads text, or leave --timings out."
+        )
     else:
-        spoken = speak_text(text, voice_settings, bundle.shares, bundle.pronunciation)
-        voice = f"synthetic (eSpeak NG, {given.voice})"
-    settings = SpeakSettings(label=not given.no_label, walk=WalkSettings(seed=given.seed))
-    timings = None if given.timings is None else Timings()
-    performance = perform(spoken, bundle.trained, bundle.rest, timings=timings)
-    log.info("%.1f s of speech; rendering", performance.seconds)
-    with nullcontext() if timings is None else replacing(given.timings) as file:
-        count = speak(given.output, performance, bundle, voice, settings, size=size, frames_folder=given.frames)
-        if timings is not None:
-            timings.save(file, performance.text, bundle.background.rate, count)
+        said = speaker.say_recording(given.audio, text, **options)
+    log.info("%.1f s of speech; rendering", said.seconds)
+    said.save(given.output, size=wanted, frames=given.frames, timings=given.timings)
 
 
 def _text(given: argparse.Namespace) -> str | None:
@@ -256,7 +225,7 @@ def _check_outputs(given: argparse.Namespace) -> None:
     StorageError
         A path cannot be written.
     """
-    from visualspeech.animation.command_paths import check_outputs
+    from visualspeech.animation.command_paths import background_folder, check_outputs
     from visualspeech.animation.frame_files import check_video_name
 
     if given.output is None and given.frames is None:
@@ -264,7 +233,11 @@ def _check_outputs(given: argparse.Namespace) -> None:
     if given.output is not None:
         check_video_name(given.output, f"--output {shortened(given.output)}")
     files = {"--output": given.output, "--timings": given.timings}
-    inputs = {"--audio": given.audio, "--text-file": given.text_file, "--background": _background_folder(given)}
+    inputs = {
+        "--audio": given.audio,
+        "--text-file": given.text_file,
+        "--background": background_folder(given.background or ""),
+    }
     check_outputs(
         {option: path for option, path in files.items() if path is not None},
         {} if given.frames is None else {"--frames": given.frames},
@@ -289,21 +262,6 @@ def _size(text: str) -> tuple[int, int] | int:
     numbers = [int(side) for side in sides]
     check_sides(numbers, f"--size {shortened(text)}")
     return (numbers[0], numbers[1]) if len(numbers) == 2 else numbers[0]
-
-
-def _before_background(bundle, given: argparse.Namespace):
-    """The speaker before the background of ``--background``."""
-    from visualspeech.animation.backgrounds import load_background, only_recording
-
-    folder = _background_folder(given)
-    return only_recording(bundle, given.background) if folder is None else load_background(bundle, given.model, folder)
-
-
-def _background_folder(given: argparse.Namespace) -> Path | None:
-    """The folder of ``--background``; None where it is not given, or is the name of a recording."""
-    if given.background and (os.sep in given.background or os.path.isdir(given.background)):
-        return Path(given.background)
-    return None
 
 
 def _background(given: argparse.Namespace) -> None:

@@ -58,7 +58,7 @@ def test_a_recording_with_its_text_becomes_a_video(speaker, tmp_path, capsys):
     mute = shutil.copytree(speaker, tmp_path / "mute")
     (mute / DESCRIPTION).write_text(json.dumps(about))
     status, said = told(capsys, "--model", mute, "--audio", sound, "-o", tmp_path / "phones.mp4")
-    assert status == 0 and "the lips follow recognised phones; for better ones, give what is said with --text" in said
+    assert status == 0 and "the lips follow recognised phones; for better ones, give its text" in said
     assert probe(tmp_path / "phones.mp4").duration == probe(path).duration
 
 

@@ -12,6 +12,11 @@ from visualspeech.storage.files import check_writable
 MAX_NAME, MAX_PATH = 255, 4000
 
 
+def background_folder(background: str | Path) -> Path | None:
+    """The folder that a background is; None where it is the name of a recording of the speaker's own background."""
+    return Path(background) if os.sep in str(background) or os.path.isdir(background) else None
+
+
 def check_outputs(
     files: Mapping[str, Path], folders: Mapping[str, Path], inputs: Mapping[str, Path], model: Path
 ) -> None:

@@ -1,13 +1,16 @@
-"""A speaker who says any text: loaded once, then one call per text."""
+"""A speaker who says any text: loaded once, then one call per text. ``visualspeech speak`` is made of this."""
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from contextlib import ExitStack
+from dataclasses import dataclass, replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
 import numpy as np
 
+from visualspeech.animation.backgrounds import load_background, only_recording
 from visualspeech.animation.bundle import SpeakerBundle
+from visualspeech.animation.command_paths import background_folder
 from visualspeech.animation.frame_files import check_sides, check_video_name, size_of
 from visualspeech.animation.performance import Performance, perform
 from visualspeech.animation.speaking import frames_of, speak, speaking_frames
@@ -17,10 +20,12 @@ from visualspeech.animation.walk import WalkSettings
 from visualspeech.api.speech import named
 from visualspeech.errors import SettingError
 from visualspeech.fields import MAX_SEED, shortened
+from visualspeech.jobs import log
 from visualspeech.models.inventory import needs_of_model
 from visualspeech.speech.sentences import check_pronounceable
 from visualspeech.speech.spoken import speak_recording, speak_sound, speak_text
 from visualspeech.speech.spoken_settings import VoiceSettings
+from visualspeech.storage.files import replacing
 
 
 @dataclass(frozen=True)
@@ -82,27 +87,42 @@ class Said:
         return speaking_frames(self.performance.appearance, self.bundle, self.settings, self.performance.rate)
 
     def save(
-        self, path: str | Path, *, size: tuple[int, int] | int | None = None, frames: str | Path | None = None
-    ) -> Path:
+        self,
+        path: str | Path | None = None,
+        *,
+        size: tuple[int, int] | int | None = None,
+        frames: str | Path | None = None,
+        timings: str | Path | None = None,
+    ) -> Path | None:
         """Write a video with its sound, and metadata that say that it is synthetic; returns its path.
+
+        Nothing is written if any of it fails.
 
         Parameters
         ----------
-        path : ends in ``.mp4`` or ``.mov`` (H.264 and AAC), or ``.webm`` (VP9 and Opus)
+        path : ends in ``.mp4`` or ``.mov`` (H.264 and AAC), or ``.webm`` (VP9 and Opus); None: no video
         size : (width, height) in pixels, or a height; None: the size of the recordings
         frames : folder for the frames as numbered PNGs and ``sound.wav``; an existing one is replaced. None: no PNGs
+        timings : file for :attr:`timings` as JSON
 
         Raises
         ------
         SettingError
-            The name has another suffix, or the size is odd, too small or too large.
+            The name has another suffix; the size is odd, too small or too large; timings are not known.
         StorageError
             A file cannot be written.
         """
-        path = Path(path)
-        check_video_name(path, str(path))
+        path = None if path is None else Path(path)
+        if path is not None:
+            check_video_name(path, shortened(path))
         wanted = size_of(_checked(size), self.bundle.background.size)
-        speak(path, self.performance, self.bundle, self.voice, self.settings, size=wanted, frames_folder=frames)
+        if timings is not None and self.spoken is None:
+            raise SettingError(f"timings={shortened(timings)}: the lips follow the sound alone, no words are known.")
+        with ExitStack() as made:
+            file = None if timings is None else made.enter_context(replacing(timings))
+            speak(path, self.performance, self.bundle, self.voice, self.settings, size=wanted, frames_folder=frames)
+            if file is not None:
+                self.spoken.save(file, self.performance.text, self.rate, frames_of(self.performance, self.rate))
         return path
 
     def mp4(self) -> bytes:
@@ -121,9 +141,11 @@ class Speaker:
     Parameters
     ----------
     bundle : models, face at rest and recorded frames
+    folder : that it was loaded from
     """
 
     bundle: SpeakerBundle
+    folder: Path
 
     @classmethod
     def load(cls, folder: str | Path) -> "Speaker":
@@ -136,12 +158,38 @@ class Speaker:
         DataError
             A part was changed or replaced.
         """
-        return cls(SpeakerBundle.load(folder))
+        return cls(SpeakerBundle.load(folder), Path(folder))
+
+    def before(self, background: str | Path) -> "Speaker":
+        """The speaker before another background.
+
+        Parameters
+        ----------
+        background : name of one recording of the own background, or a folder that ``visualspeech background`` has
+            written; a name with a separator, and one that is a folder, is a folder
+
+        Raises
+        ------
+        SettingError
+            There is no such recording; the message lists them.
+        StorageError
+            The folder is no background, or is damaged.
+        DataError
+            It was prepared for another speaker.
+        """
+        folder = background_folder(background)
+        if folder is None:
+            return replace(self, bundle=only_recording(self.bundle, str(background)))
+        return replace(self, bundle=load_background(self.bundle, self.folder, folder))
 
     @property
     def consent(self) -> str:
         """Whose face it is, and by what permission."""
         return self.bundle.consent
+
+    def follows_sound(self, text: str | None) -> bool:
+        """Whether the lips follow the sound of a recording alone, given with this text or with none."""
+        return self._for_recording(text).reads_sound_alone
 
     def say(
         self,
@@ -192,16 +240,22 @@ class Speaker:
         RejectedUtterance
             The recording cannot be read, there is no speech in it, or the text is not what is said.
         """
-        bundle = self.bundle.for_recordings() if text is None else self.bundle
+        bundle = self._for_recording(text)
         rate, alone = bundle.trained.rate, bundle.reads_sound_alone
         if alone:
+            log.info("the lips follow the sound of the recording (model %s)", bundle.model)
             spoken = speak_sound(recording, rate, text or "")
         else:
+            if text is None:
+                log.info("the lips follow recognised phones; for better ones, give its text")
             listens = "audio" in needs_of_model(bundle.trained)
             lexicon = bundle.lexicon()
             spoken = speak_recording(recording, text, rate, lexicon, shares=bundle.shares, with_sound=listens)
         with named(recording):
             return self._said(bundle, spoken, f"recording {Path(recording).name}, as given", seed, label, not alone)
+
+    def _for_recording(self, text: str | None) -> SpeakerBundle:
+        return self.bundle.for_recordings() if text is None else self.bundle
 
     def _said(self, bundle: SpeakerBundle, spoken, voice: str, seed: int, label: bool, timed: bool = True) -> Said:
         if not (isinstance(seed, int) and 0 <= seed <= MAX_SEED):

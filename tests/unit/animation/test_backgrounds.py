@@ -16,11 +16,12 @@ from tests import synthetic
 from tests.unit.animation import speakers
 from tests.unit.animation.faces import draw
 from tests.unit.face import heads, openface
+from visualspeech import Speaker
 from visualspeech.animation.background import Background
 from visualspeech.animation.backgrounds import ABOUT, head_in, load_background, prepare_background
 from visualspeech.animation.bundle import FILES, SpeakerBundle
 from visualspeech.cli import main
-from visualspeech.errors import DataError, StorageError
+from visualspeech.errors import DataError, SettingError, StorageError
 from visualspeech.face.tracker import LandmarkSettings
 from visualspeech.media.encoding import write_video
 from visualspeech.media.reading import probe, read_frames
@@ -193,6 +194,15 @@ def test_a_tracker_of_ones_own_gives_the_landmarks(clips, tmp_path, monkeypatch,
         status, error = told(capsys, *given[:-2], "other", "--quiet", "--tracker", tracker)
         assert status == 2 and said in error and error.count("\n") == 1
     assert not (tmp_path / "other").exists()
+
+
+def test_a_program_speaks_before_it_too(clips, same):
+    speaker = Speaker.load(clips / "made")
+    assert speaker.before(same).say("Hello.").bundle.background.names == ("same",)
+    one = speaker.bundle.background.names[0]
+    assert speaker.before(one).bundle.background.names == (one,)
+    with pytest.raises(SettingError, match=one):
+        speaker.before("nobody")
 
 
 def test_a_background_of_another_speaker_is_refused(clips, same, tmp_path):

@@ -1,5 +1,6 @@
 """A speaker as a program uses it: frames, a file, bytes, and mistakes."""
 
+import json
 from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
@@ -40,7 +41,8 @@ def test_other_containers_and_sizes(speaker, tmp_path, name, size, expected):
 
 def test_frames_and_timings_are_those_of_the_video(speaker, tmp_path):
     said = speaker.say("Hello. How are you?")
-    said.save(tmp_path / "said.mp4", frames=tmp_path / "frames")
+    said.save(tmp_path / "said.mp4", frames=tmp_path / "frames", timings=tmp_path / "said.json")
+    assert json.loads((tmp_path / "said.json").read_text()) == said.timings
     assert len(list((tmp_path / "frames").glob("*.png"))) == said.timings["frames"] == len(list(said))
     assert (tmp_path / "frames" / "sound.wav").is_file()
     words = said.timings["words"]
@@ -92,6 +94,9 @@ def test_a_recording_gives_the_voice(speaker, tmp_path):
     assert with_text.seconds == pytest.approx(said.seconds, abs=0.1) == heard.seconds
     assert heard.bundle.model == "F-4-mel" and with_text.bundle.model == "F-4"
     assert with_text.timings["words"][-1]["label"] == "map" and heard.timings is None  # the lips follow the sound
+    with pytest.raises(SettingError, match=r"timings=.*a.json: the lips follow the sound alone"):
+        heard.save(tmp_path / "a.mp4", timings=tmp_path / "a.json")
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["said.wav"]
     assert "recording said.wav" in with_text.voice and next(iter(heard)).ndim == 3
 
 
