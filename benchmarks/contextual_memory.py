@@ -8,13 +8,13 @@ Prints the bytes of the corpus in memory, the peak of the process, and the time 
 up to 256 MB of its feature files in addition.
 """
 
-import resource
 import time
 from itertools import islice
 from unittest import mock
 
 from benchmarks.command import run_main
 from benchmarks.contextual import RATE, Corpus, task
+from benchmarks.memory import peak_megabytes
 from visualspeech.models import dnn
 from visualspeech.models.frames import FrameStore
 
@@ -23,7 +23,7 @@ FRAMES = 1000  # of an utterance
 
 def peak() -> float:
     """Largest memory of this process so far in GB."""
-    return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * 1024 / 1e9
+    return peak_megabytes() * 2**20 / 1e9
 
 
 def main(hours: float = 14, updates: int = 30, nodes: int = 512, batch: int = 1024) -> None:

@@ -7,13 +7,13 @@ a spectrum that falls slowly, and noise; they lie in a file, which EM-PCA reads 
 finder, four power iterations) needs all rows in memory, so memory is reported before it starts.
 """
 
-import resource
 import tempfile
 import time
 
 import numpy as np
 
 from benchmarks.command import run_main
+from benchmarks.memory import peak_megabytes
 from visualspeech.face.aam.empca import em_pca
 from visualspeech.face.aam.rows import RowFile
 
@@ -42,7 +42,7 @@ def randomised_svd(rows: RowFile, components: int, powers: int = 4, spare: int =
 
 
 def memory_gb() -> float:
-    return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1e6
+    return peak_megabytes() * 2**20 / 1e9
 
 
 def main(count: int = 20000, dimension: int = 18000, components: int = 100) -> None:

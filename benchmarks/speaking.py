@@ -10,7 +10,6 @@ of 10 seconds and of the long one, each in a process of its own.
 """
 
 import json
-import resource
 import subprocess
 import sys
 import tempfile
@@ -21,6 +20,7 @@ from pathlib import Path
 import numpy as np
 
 from benchmarks.command import run_main
+from benchmarks.memory import peak_megabytes
 from visualspeech.animation.background import QUALITY, Background
 from visualspeech.animation.bundle import SpeakerBundle
 from visualspeech.animation.performance import perform
@@ -113,8 +113,8 @@ def once(folder: Path, seconds: float) -> None:
     with tempfile.TemporaryDirectory() as scratch:
         speak(Path(scratch, "a.mp4"), performance, bundle, "synthetic")
     wall = time.perf_counter() - start
-    memory = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
-    print(json.dumps({"seconds": performance.seconds, "heard": heard, "wall": wall, "megabytes": memory}))
+    cost = {"seconds": performance.seconds, "heard": heard, "wall": wall, "megabytes": peak_megabytes()}
+    print(json.dumps(cost))
 
 
 def main(folder: Path, seconds: float = 300.0, only: str = "") -> None:

@@ -10,7 +10,6 @@ other work on the machine changes little; the median is shown, and by how much t
 The 44 features need the package opensmile.
 """
 
-import resource
 import sys
 import time
 from collections.abc import Callable
@@ -18,6 +17,7 @@ from collections.abc import Callable
 import numpy as np
 
 from benchmarks.command import run_main
+from benchmarks.memory import peak_megabytes
 from visualspeech.features.blocks.base import Source, block_class, fit_block, unavailable
 from visualspeech.fields import with_defaults
 from visualspeech.speech.sound import RATE, Sound
@@ -39,12 +39,12 @@ def main(seconds: int = 300, rounds: int = 3) -> int:
             continue
         block = fit_block(kind, with_defaults(block_class(kind).settings, {}), (), [source(pieces[0])])
         for name, sounds in (("30 utterances of 3 s", pieces), (f"one recording of {seconds} s", [samples])):
-            before = memory()
+            before = peak_megabytes()
             length = sum(map(len, sounds)) / RATE
             # A speaker who is known, so that features are computed once.
             found = median(lambda: [list(block.encode([source(one)])) for one in sounds], rounds)  # noqa: B023
             slow |= length / found < WANTED
-            print(f"| {kind} | {name} | {length / found:.0f} | {memory() - before:.0f} |")
+            print(f"| {kind} | {name} | {length / found:.0f} | {peak_megabytes() - before:.0f} |")
     return int(slow)
 
 
@@ -67,11 +67,6 @@ def median(function: Callable[[], object], rounds: int) -> float:
         function()
         times.append(time.process_time() - begin)
     return float(np.median(times))
-
-
-def memory() -> float:
-    """Largest memory of this process so far, in MB."""
-    return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
 
 
 if __name__ == "__main__":

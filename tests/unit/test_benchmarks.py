@@ -2,6 +2,7 @@
 
 import ast
 import os
+import subprocess
 import sys
 from importlib import import_module
 from pathlib import Path
@@ -16,7 +17,7 @@ FOLDER = REPOSITORY / "benchmarks"
 #: Runs in an environment of its own, without this project.
 FOREIGN = {"menpofit_worker"}
 #: What benchmarks share.
-SHARED = {"command", "contextual", "runs", "synthetic"}
+SHARED = {"command", "contextual", "memory", "runs", "synthetic"}
 BENCHMARKS = sorted({path.stem for path in FOLDER.glob("*.py")} - {"__init__"} - FOREIGN - SHARED)
 
 
@@ -48,6 +49,15 @@ def test_what_runs_in_another_environment_imports_nothing_of_this_project(name):
 def test_the_table_of_the_readme_names_existing_benchmarks():
     rows = [line for line in (FOLDER / "README.md").read_text().splitlines() if line.startswith("| `")]
     assert {row.split("`")[1] for row in rows} == set(BENCHMARKS)
+
+
+def test_peak_memory_is_that_of_the_program_alone():
+    """A small program that a large one starts is small."""
+    memory = import_module("benchmarks.memory")
+    ballast = np.ones(40_000_000)
+    code = "from benchmarks.memory import peak_megabytes; print(peak_megabytes())"
+    done = subprocess.run([sys.executable, "-c", code], cwd=REPOSITORY, capture_output=True, text=True, check=True)
+    assert 1 < float(done.stdout) < 100 < ballast.nbytes / 2**20 < memory.peak_megabytes()
 
 
 def test_arguments_are_converted_to_the_types_of_the_parameters(monkeypatch, capsys):
@@ -187,4 +197,6 @@ def test_folders_without_tables_and_corpora_without_expected_figures_are_named(t
 def test_the_expected_figures_of_the_repository_can_be_read(corpus):
     expected = import_module("benchmarks.expected").read_expected(FOLDER / "expected" / f"{corpus}.tsv")
     assert expected.split and expected.facts["fan2015", "rate"] == "25 Hz"
-    assert len(expected.figures) == 22 * 7 and min(expected.tolerances.values()) > 0
+    systems = [figure.system for figure in expected.figures]
+    assert systems.count("fan2015") == 22 * 7 and set(systems) == {"fan2015", "thangthai2016", "sadoughi2017"}
+    assert min(expected.tolerances.values()) > 0
