@@ -7,6 +7,10 @@ import numpy as np
 from visualspeech.models.hmm.questions import Questions
 from visualspeech.models.hmm.segments import ContextLayout, Factor
 
+#: Frames by which sums of expected frames may differ by rounding. States at given times have whole numbers of frames;
+#: without this it depended on the processor whether a part with just as many as a Gaussian needs had enough.
+ROUNDING = 1e-6
+
 
 @dataclass(frozen=True)
 class Tying:
@@ -191,8 +195,8 @@ def _able(part: Cases, questions: Questions, min_frames: float) -> tuple[Questio
     first of the questions that split all of them alike, or the other way round.
     """
     answers = questions.answers(part.contexts)
-    held = answers @ part.occupancy
-    able = np.flatnonzero((held >= min_frames) & (part.occupancy.sum() - held >= min_frames))
+    held, least = answers @ part.occupancy, min_frames - ROUNDING
+    able = np.flatnonzero((held >= least) & (part.occupancy.sum() - held >= least))
     alike = answers[able] ^ answers[able, :1]
     _, first = np.unique(np.packbits(alike, axis=1), axis=0, return_index=True)
     able = able[np.sort(first)]

@@ -1,3 +1,5 @@
+import dataclasses
+
 import numpy as np
 import pytest
 
@@ -71,6 +73,23 @@ def test_trees_against_brute_force(mdl, least):
     leaves = [sorted(map(tuple, triphones[found == leaf].tolist())) for leaf in range(tying.gaussians)]
     assert sorted(leaves) == sorted(expected)
     assert mdl < 1 or tying.gaussians == 4
+
+
+def test_trees_do_not_depend_on_how_sums_are_rounded():
+    """Parts of just as many frames as a Gaussian needs, of counts that are whole but for rounding."""
+    triphones = all_triphones()
+    cases = cases_of(triphones, [rows[:5] for rows in frames_of(triphones)])
+    trees = []
+    for seed in range(6):
+        noise = 1 + 1e-12 * np.random.default_rng(seed).standard_normal(len(triphones))
+        rounded = dataclasses.replace(cases, occupancy=cases.occupancy * noise)
+        trees.append(grow(rounded, questions(PHONES), len(PHONES), 1, 1, FLOOR, 15, 0.01))
+    plain = grow(cases, questions(PHONES), len(PHONES), 1, 1, FLOOR, 15, 0.01)
+    counts = np.bincount(plain.find(triphones)[:, 0], weights=cases.occupancy)
+    assert counts.min() == 15
+    for tree in trees:
+        for name in ("roots", "positions", "members", "branches"):
+            assert np.array_equal(getattr(tree, name), getattr(plain, name))
 
 
 def test_triphones_never_seen_follow_their_answers():
