@@ -137,12 +137,13 @@ def speak_commands(folder: str, made: bool, arguments: Sequence[str], targets: C
 
 
 def study_commands(folders: Sequence[str], arguments: Sequence[str]) -> list[str]:
-    """What to type to show viewing tests to viewers, and to evaluate their answers: two commands for each folder."""
+    """What to type to show each viewing test to viewers, and then to evaluate their answers."""
     before = _before(arguments[0])
+    names = [shlex.quote(folder) for folder in folders]
+    evaluated = names[0] if len(names) == 1 else "FOLDER"
     return [
-        f"{before}visualspeech study {step} {shlex.quote(folder)}"
-        for folder in folders
-        for step in ("serve", "evaluate")
+        *(f"{before}visualspeech study serve {name}" for name in names),
+        *([f"{before}visualspeech study evaluate {evaluated}"] if names else []),
     ]
 
 

@@ -102,9 +102,14 @@ def test_what_to_type_next(monkeypatch):
 def test_what_to_type_after_a_study(monkeypatch):
     monkeypatch.setattr("shutil.which", lambda name: None)
     monkeypatch.chdir("/")
-    assert study_commands(["results/demo/studies/my test", "b"], ["/a/bin/snakemake", "study"]) == [
+    typed = ["/a/bin/snakemake", "study"]
+    assert study_commands(["results/demo/studies/my test"], typed) == [
         "a/bin/visualspeech study serve 'results/demo/studies/my test'",
         "a/bin/visualspeech study evaluate 'results/demo/studies/my test'",
-        "a/bin/visualspeech study serve b",
-        "a/bin/visualspeech study evaluate b",
     ]
+    assert study_commands(["a", "b"], typed) == [
+        "a/bin/visualspeech study serve a",
+        "a/bin/visualspeech study serve b",
+        "a/bin/visualspeech study evaluate FOLDER",
+    ]
+    assert study_commands([], typed) == []
