@@ -16,6 +16,7 @@ pytestmark = pytest.mark.xdist_group("workflow")
 def test_a_study_is_made_and_left_alone_once_people_have_answered_it(tiny_run, tmp_path):
     done = snakemake(tiny_run, "study")
     assert done.returncode == 0, done.stdout[-3000:]
+    assert "visualspeech study serve results/tiny/studies/fan2015\n" in done.stdout
     folder = tiny_run / "results" / "tiny" / "studies" / "fan2015"
     study, key = read_study(folder), read_key(folder)
     media = {path.name for path in (folder / MEDIA).iterdir()} - {".snakemake_timestamp"}
