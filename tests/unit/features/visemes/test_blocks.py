@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from tests.hostile_models import alter_arrays, alter_plain
+from tests.alterations import alter_arrays, alter_plain
 from tests.unit.features.visemes.speakers import PHONES, RATE, corpus
 from visualspeech.errors import DamagedFile, DataError, VisualSpeechError
 from visualspeech.features.blocks.base import load_block, save_block
