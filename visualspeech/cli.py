@@ -292,12 +292,12 @@ def _background(given: argparse.Namespace) -> None:
 
 def _landmark_source(given: argparse.Namespace):
     """Settings of the landmarks of ``background``, and the folder in which a tracker of one's own lies."""
-    from visualspeech.face.tracker import TRACKERS, LandmarkSettings
+    from visualspeech.face.tracker import LandmarkSettings
 
     if given.landmarks is not None:
         return LandmarkSettings(source="csv", folder=str(given.landmarks)), ""
-    if given.tracker is None or given.tracker in TRACKERS:
-        return LandmarkSettings(tracker=given.tracker or next(iter(TRACKERS))), ""
+    if given.tracker is None:
+        return LandmarkSettings(), ""
     module = given.tracker.partition(":")[0].partition(".")[0]
     here = Path(f"{module}.py").is_file() or Path(module).is_dir()
     return LandmarkSettings(tracker=given.tracker), str(Path.cwd()) if here else ""

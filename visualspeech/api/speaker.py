@@ -108,10 +108,13 @@ class Said:
         Raises
         ------
         SettingError
-            The name has another suffix; the size is odd, too small or too large; timings are not known.
+            There is nothing to write; the name has another suffix; the size is odd, too small or too large; timings are
+            not known.
         StorageError
             A file cannot be written.
         """
+        if path is None and frames is None:
+            raise SettingError("there is nothing to write; give the path of a video, or a folder for frames.")
         path = None if path is None else Path(path)
         if path is not None:
             check_video_name(path, shortened(path))

@@ -122,6 +122,8 @@ def test_other_mistakes(speaker, tmp_path):
         Speaker.load(tmp_path)
     with pytest.raises(SettingError, match=r"said.avi: .* ends in .mp4, .mov or .webm"):
         speaker.say("Hello.").save(tmp_path / "said.avi")
+    with pytest.raises(SettingError, match="nothing to write"):
+        speaker.say("Hello.").save(timings=tmp_path / "said.json")
     for size, message in {
         (97, 64): "even sizes; give 98 or 96", 20: "from 64 to 4096", (64, 64, 3): r"give \(width, height\)",
         64.5: r"give \(width, height\)", "64x64": r"give \(width, height\)",
